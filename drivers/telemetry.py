@@ -53,7 +53,18 @@ COLUMNS = (
     ("marker", ""),
 )
 PLACE = {name: place for place, (name, _) in enumerate(COLUMNS)}
-PHASES = ("greeting", "running", "leaving", "ended")
+PHASES = (
+    "connecting",
+    "homing",
+    "aligning",
+    "consenting",
+    "ramping-in",
+    "running",
+    "ramping-out",
+    "paused",
+    "stopped",
+    "ended",
+)
 WATCHDOGS = ("disengaged", "ramping-in", "engaged", "holding", "ramping-out")
 
 

@@ -127,7 +127,6 @@ int main(int count, char **arguments) {
     double force[2] = {0.0, 0.0}, newest = 0.0, largest = 0.0;
     double start = now(), heard = start, moved = start, told = -INFINITY;
     double rows = 0.0;
-    int has_run = 0;
     while (now() - heard < PATIENCE) {
         sleep_until(start + (rows + 1.0) * PERIOD);
         double tick = now(), command[COMMAND_VALUES];
@@ -139,13 +138,11 @@ int main(int count, char **arguments) {
             force[1] = command[5];
             limit(force);
             told = heard = tick;
-            int is_running = command[6] == 1.0;
-            if (has_run && !is_running) {
+            if (command[7] == 1.0) { /* the session is over; command[6] is 0 in a pause, too */
                 printf("%.0f rows, %.0f commands, %.3f N at most\n", rows, newest, largest);
                 close(udp);
                 return EXIT_SUCCESS;
             }
-            has_run |= is_running;
         }
         if (tick - told > DEADLINE) { /* nobody commands: let go */
             force[0] *= 0.9;

@@ -58,7 +58,7 @@ def main() -> None:
     handle = Handle()
     force, newest, told = [0.0, 0.0], 0.0, -math.inf
     start = heard = moved = time.monotonic()
-    rows, largest, has_run = 0, 0.0, False
+    rows, largest = 0, 0.0
     while time.monotonic() - heard < PATIENCE:
         time.sleep(max(0.0, start + (rows + 1) * PERIOD - time.monotonic()))
         now = time.monotonic()
@@ -71,11 +71,10 @@ def main() -> None:
                 continue  # telespring-link does not listen yet
             if len(row) != COMMAND.size:
                 continue
-            version, sequence, _, _, x, y, running, _ = COMMAND.unpack(row)
+            version, sequence, _, _, x, y, _, over = COMMAND.unpack(row)
             if version == 1.0 and sequence > newest:
                 newest, force, told, heard = sequence, [x, y], now, now
-                has_run |= running == 1.0
-                if has_run and running == 0.0:
+                if over == 1.0:
                     print(f"{rows} rows, {newest:.0f} commands, {largest:.3f} N at most")
                     return
         if now - told > DEADLINE:

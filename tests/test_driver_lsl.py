@@ -83,7 +83,7 @@ def test_law_what_is_no_row_is_refused() -> None:
 
 
 def test_law_codes_become_words() -> None:
-    assert word(PHASES, 1.0) == "running"
+    assert word(PHASES, 5.0) == "running"
     assert word(PHASES, 17.0) == "17"
     assert word(PHASES, 0.5) == "0.5"
     assert word(PHASES, math.nan) is None
@@ -122,17 +122,17 @@ def test_law_what_changes_is_an_event() -> None:
         [
             row(1.0),
             row(2.0),
-            row(3.0, phase=1.0, watchdog=0.0),
-            row(4.0, phase=1.0, watchdog=1.0, marker=7.0),
-            row(5.0, phase=1.0, watchdog=1.0, marker=7.0, missed=12.0),
-            row(6.0, phase=3.0, missed=12.0),
+            row(3.0, phase=5.0, watchdog=0.0),
+            row(4.0, phase=5.0, watchdog=1.0, marker=7.0),
+            row(5.0, phase=5.0, watchdog=1.0, marker=7.0, missed=12.0),
+            row(6.0, phase=9.0, missed=12.0),
             row(1.0, phase=0.0),
         ],
         offset=0.0,
     )
     assert [event for _, event in kept.events] == [
         "session",
-        "phase greeting",
+        "phase connecting",
         "phase running",
         "watchdog disengaged",
         "watchdog ramping-in",
@@ -140,7 +140,7 @@ def test_law_what_changes_is_an_event() -> None:
         "missed 12",
         "phase ended",
         "session",
-        "phase greeting",
+        "phase connecting",
     ]
     assert kept.events[2][0] == 10.006
 

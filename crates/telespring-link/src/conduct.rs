@@ -4,11 +4,13 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use rtrb::Consumer;
 use telespring::InvalidInput;
 use telespring::session::Span;
 
 use crate::device::Device;
 use crate::feed::{self, Item, Observer};
+use crate::operator::Order;
 use crate::real_time::{self, Limits, Pace};
 use crate::record::live::LiveServer;
 use crate::record::{Facts, Recorder, Recording};
@@ -26,6 +28,8 @@ pub struct Plan {
     pub limits: Limits,
     /// Who sees it, each on a thread of its own.
     pub observers: Vec<Box<dyn Observer>>,
+    /// What the people at the site order.
+    pub orders: Option<Consumer<Order>>,
     /// The recording that one of the observers writes.
     pub recording: Option<Recording>,
 }
@@ -78,12 +82,15 @@ pub fn conduct<D: Device, T: Transport>(
     stop: &AtomicBool,
     mut watch: impl FnMut(&Moment),
 ) -> Result<Summary, ConductError> {
-    let Plan { real_time, limits, observers, recording } = plan;
+    let Plan { real_time, limits, observers, orders, recording } = plan;
     let LoopChoice { priority, lock_memory, pace: choice } = real_time;
     let follows = choice == PaceChoice::Device;
     let side = settings.terms.side;
     let period = Span::from_seconds(settings.terms.sample_period);
     let mut site = Site::new(settings, device, transport)?;
+    if let Some(orders) = orders {
+        site.obey(orders);
+    }
     if let Some(recording) = &recording {
         site.watch_recording(recording.alarm());
     }

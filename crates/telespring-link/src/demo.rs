@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use rtrb::Consumer;
 use serde::Serialize;
 use telespring::InvalidInput;
 use telespring::session::Span;
@@ -15,6 +16,7 @@ use crate::console::{Console, Output};
 use crate::device::Simulated;
 use crate::feed::Observer;
 use crate::hello::draw_session;
+use crate::operator::Order;
 use crate::real_time::Limits;
 use crate::record::live::LiveServer;
 use crate::record::{Facts, check_folder};
@@ -40,6 +42,8 @@ pub struct Demo {
     pub strategy: &'static str,
     /// Draws the path and what the simulated people see.
     pub seed: u64,
+    /// A delay imposed on the partner's motion, s, if any.
+    pub imposed_delay: Option<f64>,
     /// What both loops ask the operating system for.
     pub real_time: LoopChoice,
     /// The folder for the recordings of both sides; `None` for none.
@@ -59,6 +63,7 @@ impl Default for Demo {
             stiffness: 142.0,
             strategy: "guard",
             seed: 1,
+            imposed_delay: None,
             real_time: LoopChoice::default(),
             record: None,
             live: None,
@@ -75,6 +80,13 @@ pub struct DemoSummary {
     pub study: String,
     /// Both sides.
     pub sites: [Summary; 2],
+}
+
+/// What one side has of its own.
+struct Side {
+    number: u8,
+    link: Udp,
+    orders: Option<Consumer<Order>>,
 }
 
 /// Why a demonstration did not take place.
@@ -101,23 +113,31 @@ impl Demo {
     ///
     /// [`InvalidInput`] with the key of the study.
     pub fn study(&self) -> Result<Study, InvalidInput> {
-        let Self { delay, jitter, loss, stiffness, strategy, .. } = self;
+        let Self { delay, jitter, loss, stiffness, strategy, imposed_delay, .. } = self;
+        let playout = imposed_delay
+            .map_or("\"adaptive\"".to_owned(), |delay| format!("{{kind = \"fixed\", delay = {delay}}}"));
         Study::from_toml(&format!(
             "name = \"Demonstration\"\n\
              robot1 = {{axes = [\"x\", \"y\"], mass = [0.8334, 1.0649], damping = [7.7257, 10.1168]}}\n\
              robot2 = {{axes = [\"x\", \"y\"], mass = [0.7776, 1.3407], damping = [7.4208, 9.3496]}}\n\
              coupling.stiffness = {stiffness}\n\
              network = {{delay = {delay}, jitter = {jitter}, loss = {loss}}}\n\
-             session = {{strategy = \"{strategy}\", playout = \"adaptive\"}}\n"
+             session = {{strategy = \"{strategy}\", playout = {playout}}}\n"
         ))
     }
 
-    /// Runs both sides, each on a thread of its own, until the time is over or `stop` is set; `console` tells what happens.
+    /// Runs both sides, each on a thread of its own, until the time is over or `stop` is set. `orders`: what the people at
+    /// both sides order, if anybody does; `console` tells what happens.
     ///
     /// # Errors
     ///
     /// [`DemoError`].
-    pub fn run(&self, stop: &AtomicBool, console: Option<&Output>) -> Result<DemoSummary, DemoError> {
+    pub fn run(
+        &self,
+        stop: &AtomicBool,
+        orders: [Option<Consumer<Order>>; 2],
+        console: Option<&Output>,
+    ) -> Result<DemoSummary, DemoError> {
         if !(self.seconds > 0.0 && self.seconds <= 86_400.0) {
             let allowed = "above 0, up to 86400 s";
             return Err(InvalidInput::new("seconds", self.seconds, allowed, "Give 20.").into());
@@ -133,13 +153,13 @@ impl Demo {
         let links = [Udp::on(first, there)?, Udp::on(second, here)?];
         let [first, second] = std::thread::scope(|scope| {
             let (study, server) = (&study, server.as_ref());
-            let mut sides = (1_u8..).zip(links);
+            let mut sides = (1_u8..).zip(links.into_iter().zip(orders));
             [(); 2]
                 .map(|()| {
-                    sides.next().map(|(side, link)| {
-                        let name = format!("site {side}");
+                    sides.next().map(|(number, (link, orders))| {
+                        let name = format!("site {number}");
                         std::thread::Builder::new().name(name).spawn_scoped(scope, move || {
-                            self.run_side(study, side, link, (server, console), stop)
+                            self.run_side(study, Side { number, link, orders }, server, console, stop)
                         })
                     })
                 })
@@ -155,9 +175,9 @@ impl Demo {
     fn run_side(
         &self,
         study: &Study,
-        side: u8,
-        link: Udp,
-        (server, console): (Option<&Arc<LiveServer>>, Option<&Output>),
+        Side { number: side, link, orders }: Side,
+        server: Option<&Arc<LiveServer>>,
+        console: Option<&Output>,
         stop: &AtomicBool,
     ) -> Result<Summary, DemoError> {
         let laboratory = study.laboratory()?;
@@ -166,15 +186,15 @@ impl Demo {
         let path = laboratory.network.towards(index);
         let transport = Emulated::new(link, path, travel, self.seed, index);
         let device = Simulated::new(&laboratory, index, self.seed)?;
-        let settings = SiteSettings::new(study, side, draw_session(), Safety::default())?;
+        let settings = SiteSettings::new(study, side, draw_session(), Safety::default())?.simulated();
         // The second side only follows, so that its goodbye is an answer.
         let after = if side == 1 { 0.0 } else { 1.0 };
         let limits = Limits { duration: Some(Span::from_seconds(self.seconds + after)) };
         let facts = Facts::new(study, &settings).with("device", "simulated").with("network", "emulated");
         let folder = self.record.as_ref().map(|folder| ("--record", folder));
-        let console = console.map(|output| Console::new(output.clone(), &settings.terms));
+        let console = console.map(|output| Console::new(output.clone(), side));
         let observers = console.into_iter().map(|console| Box::new(console) as Box<dyn Observer>).collect();
-        let plan = Plan { real_time: self.real_time, limits, observers, ..Plan::default() };
+        let plan = Plan { real_time: self.real_time, limits, observers, orders, ..Plan::default() };
         let plan = plan.watched(&facts, folder, server)?;
         Ok(conduct(settings, device, transport, plan, stop, |_| {})?)
     }

@@ -223,7 +223,7 @@ mod tests {
     }
 
     fn event(time: u64) -> Item {
-        Item::Event { time: LocalTime(time), happened: Happened::Running }
+        Item::Event { time: LocalTime(time), happened: Happened::Restored }
     }
 
     #[test]

@@ -1,18 +1,20 @@
-//! The greeting: what both sides must agree on before any force.
+//! The greeting: what both sides must agree on before any force, and where each of them stands.
 //!
 //! A greeting is as long as a packet, so that both take the same way. `docs/connect.md` has it byte by byte. Nothing in it is
 //! secret, and nobody is believed because of it: who the partner is, the transport decides.
 
 use telespring::InvalidInput;
-use telespring::session::wire::{self, LENGTH};
+use telespring::session::wire::{self, LENGTH, MAX_STAMP};
 use telespring::study::{Coupling, Study};
 
 /// The first bytes of every greeting.
 pub const MAGIC: [u8; 4] = *b"TSPH";
 /// The version of the greeting.
-pub const VERSION: u8 = 1;
+pub const VERSION: u8 = 2;
 /// The number of axes of a live session.
 const AXES: u8 = 2;
+/// No handle is farther from its origin, m.
+pub const MAX_POSITION: f32 = 1e6;
 
 /// What a greeting is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -156,6 +158,38 @@ impl Terms {
     }
 }
 
+/// Where the sender stands.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Stance {
+    /// The state that the sender shows, as a code; for people only.
+    pub phase: u8,
+    /// Its robot is homed and its motors may act.
+    pub is_ready: bool,
+    /// Its emergency stop has latched.
+    pub is_stopped: bool,
+    /// It wants a pause.
+    pub is_paused: bool,
+    /// It finds its handle at rest, and where the receiver's is.
+    pub is_aligned: bool,
+    /// The person there agrees to be coupled in this round.
+    pub has_consented: bool,
+    /// Counts how often the two have been coupled, or might have been; a consent is for one round.
+    pub round: u32,
+    /// The position of its handle, m, if known.
+    pub position: Option<[f32; 2]>,
+}
+
+/// When a greeting was sent, and what it answers: for the round trip. Times in ns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Stamps {
+    /// When it was sent, on the sender's clock. It rises, so that an overtaken greeting is known as such.
+    pub sent: u64,
+    /// The newest such stamp of the receiver, on the receiver's clock; 0 for none.
+    pub echo: u64,
+    /// From the arrival of that greeting to the sending of this one.
+    pub held: u64,
+}
+
 /// A greeting.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Greeting {
@@ -169,6 +203,41 @@ pub struct Greeting {
     pub refusal: Option<Disagreement>,
     /// The sender's terms.
     pub terms: Terms,
+    /// Where the sender stands.
+    pub stance: Stance,
+    /// For the round trip.
+    pub stamps: Stamps,
+}
+
+/// Flags of a stance, by bit.
+const FLAGS: u8 = 6;
+
+impl Stance {
+    fn flags(&self) -> u8 {
+        let Self { is_ready, is_stopped, is_paused, is_aligned, has_consented, position, .. } = *self;
+        let flags = [is_ready, is_stopped, is_paused, is_aligned, has_consented, position.is_some()];
+        flags.into_iter().zip(0..).map(|(flag, bit)| u8::from(flag) << bit).sum()
+    }
+
+    /// The stance in its bytes; `None` for unknown flags, or a position that no handle has.
+    fn decode(phase: u8, flags: u8, round: u32, position: u64) -> Option<Self> {
+        let is = |bit: u8| flags >> bit & 1 == 1;
+        let [low, high] = [position as u32, (position >> 32) as u32].map(f32::from_bits);
+        let can_be = [low, high].iter().all(|value| value.abs() <= MAX_POSITION);
+        if flags >> FLAGS != 0 || !can_be || (!is(5) && position != 0) {
+            return None;
+        }
+        Some(Self {
+            phase,
+            is_ready: is(0),
+            is_stopped: is(1),
+            is_paused: is(2),
+            is_aligned: is(3),
+            has_consented: is(4),
+            round,
+            position: is(5).then_some([low, high]),
+        })
+    }
 }
 
 /// Why bytes are no greeting that this side understands.
@@ -181,6 +250,12 @@ pub enum NoGreeting {
 }
 
 impl Greeting {
+    /// A greeting that says nothing but who is there on which terms, and whom it accepts.
+    pub fn new(purpose: Purpose, session: u64, accepted: u64, terms: Terms) -> Self {
+        let (stance, stamps) = (Stance::default(), Stamps::default());
+        Self { purpose, session, accepted, refusal: None, terms, stance, stamps }
+    }
+
     /// The greeting as bytes.
     pub fn encode(&self) -> [u8; LENGTH] {
         let Terms { packets, axes, side, robots, strategy, study, coupling, sample_period } = self.terms;
@@ -191,16 +266,17 @@ impl Greeting {
         let refusal = self.refusal.map_or(0, Disagreement::code);
         let head = MAGIC.into_iter().chain([VERSION, purpose, packets, axes]);
         let ids = [self.session, self.accepted].into_iter().flat_map(u64::to_le_bytes);
-        let which = [side, refusal].into_iter().chain([0; 6]);
+        let Stance { phase, round, position, .. } = self.stance;
+        let which = [side, refusal, phase, self.stance.flags()].into_iter().chain(round.to_le_bytes());
         let prints = [robots, strategy, study].into_iter().flat_map(u64::to_le_bytes);
         let [stiffness, damping] = coupling;
         let numbers = [stiffness, damping, sample_period].into_iter().flat_map(f64::to_le_bytes);
+        let position = position.unwrap_or_default().into_iter().flat_map(f32::to_le_bytes);
+        let Stamps { sent, echo, held } = self.stamps;
+        let stamps = [sent, echo, held].into_iter().flat_map(u64::to_le_bytes);
+        let all = head.chain(ids).chain(which).chain(prints).chain(numbers).chain(position).chain(stamps);
         let mut datagram = [0; LENGTH];
-        for (place, byte) in
-            datagram.iter_mut().zip(head.chain(ids).chain(which).chain(prints).chain(numbers))
-        {
-            *place = byte;
-        }
+        datagram.iter_mut().zip(all).for_each(|(place, byte)| *place = byte);
         datagram
     }
 
@@ -223,7 +299,7 @@ impl Greeting {
         if version != VERSION {
             return Err(NoGreeting::OtherVersion);
         }
-        let [side, refusal, unused @ ..] = word(24).to_le_bytes();
+        let [side, refusal, phase, flags, round @ ..] = word(24).to_le_bytes();
         let refusal = match refusal {
             0 => None,
             code => Some(*Disagreement::ALL.get(usize::from(code) - 1).ok_or(NoGreeting::Foreign)?),
@@ -233,6 +309,8 @@ impl Greeting {
             1 => Purpose::Goodbye,
             _ => return Err(NoGreeting::Foreign),
         };
+        let stance = Stance::decode(phase, flags, u32::from_le_bytes(round), word(80));
+        let stamps = Stamps { sent: word(88), echo: word(96), held: word(104) };
         let number = |at| f64::from_bits(word(at));
         let greeting = Self {
             purpose,
@@ -249,9 +327,12 @@ impl Greeting {
                 coupling: [number(56), number(64)],
                 sample_period: number(72),
             },
+            stance: stance.ok_or(NoGreeting::Foreign)?,
+            stamps,
         };
-        let rest = datagram.iter().skip(80).chain(&unused);
-        if greeting.session == 0 || rest.copied().any(|byte| byte != 0) {
+        if greeting.session == 0
+            || [stamps.sent, stamps.echo, stamps.held].iter().any(|time| *time > MAX_STAMP)
+        {
             return Err(NoGreeting::Foreign);
         }
         Ok(greeting)
@@ -282,6 +363,23 @@ mod tests {
             accepted: 6,
             refusal: Some(Disagreement::Robots),
             terms,
+            stance: stance(0x3f),
+            stamps: Stamps { sent: 1, echo: 1 << 62, held: 3 },
+        }
+    }
+
+    /// The stance with these flags.
+    fn stance(flags: u8) -> Stance {
+        let is = |bit: u8| flags >> bit & 1 == 1;
+        Stance {
+            phase: 3,
+            is_ready: is(0),
+            is_stopped: is(1),
+            is_paused: is(2),
+            is_aligned: is(3),
+            has_consented: is(4),
+            round: 0x0102_0304,
+            position: is(5).then_some([0.25, -0.5]),
         }
     }
 
@@ -293,6 +391,17 @@ mod tests {
                 assert_eq!(Greeting::decode(&greeting.encode()), Ok(greeting));
             }
         }
+        for flags in 0..0x40 {
+            let greeting = Greeting { stance: stance(flags), ..greeting() };
+            assert_eq!(greeting.encode()[27], flags);
+            assert_eq!(Greeting::decode(&greeting.encode()), Ok(greeting));
+        }
+        // an unknown flag, a position that is none, or without its flag, and times beyond all clocks
+        for (at, byte) in [(27, 0x7f), (83, 0x7f), (27, 0x1f), (95, 0x80), (103, 0x80), (111, 0x80)] {
+            let mut bytes = greeting().encode();
+            bytes[at] = byte;
+            assert_eq!(Greeting::decode(&bytes), Err(NoGreeting::Foreign), "{at}");
+        }
         let good = greeting().encode();
         for at in 0..LENGTH {
             let mut bytes = good;
@@ -300,7 +409,9 @@ mod tests {
             match Greeting::decode(&bytes) {
                 Ok(other) => assert_eq!(other.encode(), bytes),
                 Err(NoGreeting::OtherVersion) => assert_eq!(at, 4),
-                Err(NoGreeting::Foreign) => assert!([0, 1, 2, 3, 5, 25].contains(&at) || at >= 26, "{at}"),
+                Err(NoGreeting::Foreign) => {
+                    assert!([0, 1, 2, 3, 5, 25, 27].contains(&at) || at >= 80, "{at}")
+                }
             }
         }
         assert_eq!(Greeting::decode(&good[..LENGTH - 1]), Err(NoGreeting::Foreign));

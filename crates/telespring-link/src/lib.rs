@@ -9,7 +9,8 @@
 //! | [`transport`] | datagrams to and from the partner: iroh, UDP, an emulated path on top | the loop; iroh has one of its own |
 //! | [`keys`] | the key of a site, in a file; who may be the partner | before the loop |
 //! | [`device`] | the robot: simulated, or a program that speaks the device protocol | the loop |
-//! | [`hello`] | what both sides must agree on before any force | the loop |
+//! | [`operator`] | orders and markers of the people at a site | one thread for the console, then the loop |
+//! | [`hello`] | what both sides must agree on before any force, and where each stands | the loop |
 //! | [`site`] | one side: device, endpoint, transport and the state of the session; one tick | the loop |
 //! | [`real_time`] | the loop: absolute sleeps, lateness, overruns, priority, locked memory | the loop |
 //! | [`feed`] | every tick and event, through queues to those who watch | from the loop to one thread each |
@@ -43,6 +44,7 @@ pub mod device;
 pub mod feed;
 pub mod hello;
 pub mod keys;
+pub mod operator;
 pub mod probe;
 pub mod real_time;
 pub mod record;

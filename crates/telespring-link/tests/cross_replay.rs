@@ -62,8 +62,8 @@ fn recorded(told: &Told, side: usize) -> RecordedSite {
 }
 
 fn endpoint(study: &Study, side: usize) -> EndpointSettings {
-    let (number, safety) = (u8::try_from(side).unwrap() + 1, Safety { force: LARGEST, ..Safety::default() });
-    SiteSettings::new(study, number, 11 + side as u64, safety).unwrap().endpoint
+    let number = u8::try_from(side).unwrap() + 1;
+    SiteSettings::new(study, number, 11 + side as u64, Safety::default()).unwrap().endpoint
 }
 
 /// Asserts that a replay is what the site did.
@@ -72,7 +72,7 @@ fn assert_same(replayed: &ReplayedSite, moments: &[Moment], lines: &str) {
     for (tick, (replayed, moment)) in replayed.ticks.iter().zip(moments).enumerate() {
         let wanted = moment.forces.wanted.unwrap_or_default();
         assert_eq!(bits(replayed.wanted), bits(wanted), "{lines}, tick {tick}");
-        if moment.phase == Phase::Running {
+        if matches!(moment.phase, Phase::RampingIn | Phase::Running) {
             assert_eq!(bits(replayed.force), bits(moment.force), "{lines}, tick {tick}");
         }
         if moment.asked.is_some() {
@@ -102,7 +102,7 @@ fn cross_what_a_site_tells_reproduces_its_session() {
         let sites = [0, 1].map(|side| recorded(&told, side));
         for side in 0..2 {
             let moments = &told.moments[side];
-            assert!(moments.iter().any(|moment| moment.phase == Phase::Leaving), "{lines}");
+            assert!(moments.iter().any(|moment| moment.phase == Phase::RampingOut), "{lines}");
             assert!(moments.iter().any(|moment| moment.forces.told.is_some()), "{lines}: nothing was cut");
             let alone = replay_site(settings[side].clone(), &sites[side]).unwrap();
             assert_same(&alone, moments, lines);

@@ -11,7 +11,7 @@ use telespring::rig::{ConnectedMode, Recording, Schedule, Status, Trial};
 use telespring::session::{ClockSettings, Span};
 use telespring::study::Study;
 use telespring_link::device::Simulated;
-use telespring_link::site::{Moment, Phase, Safety, Site, SiteSettings};
+use telespring_link::site::{Limits, Moment, Safety, Site, SiteSettings};
 
 const SEED: u64 = 7;
 const TICKS: usize = 3000;
@@ -39,9 +39,9 @@ fn live(study: &Study) -> Vec<[Moment; 2]> {
     let ends = wire((Span::from_seconds(delay.forward()) - PERIOD).max(Span(0)));
     let clock = VirtualClock(Rc::new(Cell::new(9_000_000_000)));
     let mut sites = [0, 1].map(|side| {
-        let safety = Safety { force: 1000.0, ..Safety::default() };
         let number = u8::try_from(side).unwrap() + 1;
-        let mut settings = SiteSettings::new(study, number, 21 + side as u64, safety).unwrap();
+        let settings = SiteSettings::new(study, number, 21 + side as u64, Safety::default()).unwrap();
+        let mut settings = SiteSettings { limits: Limits::NONE, ..settings.simulated() };
         // as the laboratory has it: one clock, and a coupling that acts on however old a motion
         settings.endpoint.watchdog = None;
         settings.endpoint.clock = ClockSettings::default();
@@ -56,7 +56,7 @@ fn live(study: &Study) -> Vec<[Moment; 2]> {
         if has_begun {
             moments.push(both);
         }
-        let running = both.map(|moment| moment.phase == Phase::Running);
+        let running = both.map(|moment| moment.phase.is_coupled());
         // both have agreed at the same tick, because the wire is alike both ways
         assert_eq!(running[0], running[1]);
         has_begun = running[0];

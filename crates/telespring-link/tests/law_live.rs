@@ -46,6 +46,10 @@ fn tick(number: u64) -> Item {
         session: SessionSnapshot::default(),
         wanted_stiffness: 142.0,
         unnoted_arrivals: 0,
+        offset: None,
+        consents: [true; 2],
+        share: 1.0,
+        is_cut: false,
     };
     Item::Tick { moment, lateness: Span(0), duration: Span(0), overruns: 0 }
 }

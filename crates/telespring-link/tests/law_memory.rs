@@ -26,7 +26,7 @@ fn uses(
 ) -> (u64, Phase, Cause, u64) {
     let laboratory = study.laboratory().unwrap();
     let device = Simulated::new(&laboratory, usize::from(side) - 1, 1).unwrap();
-    let settings = SiteSettings::new(study, side, u64::from(side), Safety::default()).unwrap();
+    let settings = SiteSettings::new(study, side, u64::from(side), Safety::default()).unwrap().simulated();
     let mut site = Site::new(settings, device, link).unwrap();
     let limits = Limits { duration: Some(Span::from_seconds(seconds)) };
     let stop = AtomicBool::new(false);

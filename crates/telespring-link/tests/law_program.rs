@@ -1,6 +1,7 @@
 //! The program as people start it: what it prints, its exit status, its refusals, and a robot written in Python.
 
 use std::fs;
+use std::io::Write;
 use std::net::UdpSocket;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
@@ -131,7 +132,16 @@ fn law_a_site_file_is_refused_with_the_key() {
         ("device = \"127.0.0.1:", "device = \"192.0.2.7:", "device.device = 192.0.2.7:"),
         ("deadline = 1.0", "deadline = 0.0001", "device.deadline = 0.0001 s"),
         ("stall = 0.5", "stall = 100", "safety.stall = 100 s"),
-        ("stall = 0.5", "force = -1.0", "safety.force = -1"),
+        ("stall = 0.5", "stall = 0.5\n[limits]\nforce = -1.0", "limits.force = -1"),
+        ("stall = 0.5", "stall = 0.5\n[limits.person]\nforce = 0.0", "limits.person.force = 0"),
+        ("stall = 0.5", "stall = 0.5\n[limits]\nscale = 1.5", "limits.scale = 1.5"),
+        ("stall = 0.5", "stall = 0.5\n[limits]\nvelocity = 0.0", "limits.velocity = 0"),
+        ("stall = 0.5", "stall = 0.5\n[limits]\nworkspace.x = [0.1, 0.0]", "limits.workspace"),
+        ("stall = 0.5", "stall = 0.5\n[limits]\nlock = [\"z\"]", "unknown variant `z`"),
+        ("stall = 0.5", "stall = 0.5\n[session]\nconsent = \"automatic\"", "whoever holds a robot consents"),
+        ("stall = 0.5", "stall = 0.5\n[session]\nalignment = 0.0", "session.alignment = 0"),
+        ("stall = 0.5", "stall = 0.5\n[fallback]\nloss = 2.0", "fallback.loss = 2"),
+        ("stall = 0.5", "stall = 0.5\n[fallback]\npatience = 0.0", "fallback.patience = 0 s"),
         ("stall = 0.5", "silence = 0.01", "safety.silence = 0.01 s"),
         ("side = 1", "side = 1\nloop.priority = 100", "loop.priority = 100"),
         ("side = 1", "side = 1\nseconds = 0.0", "seconds = 0 s"),
@@ -220,6 +230,20 @@ fn law_a_signal_ends_a_session_in_an_orderly_way() {
     assert!(summary["loss"]["unreachable"].as_u64().unwrap() > 0, "{summary}");
 }
 
+/// The tables of a site file.
+const TABLES: [&str; 10] = [
+    "network",
+    "device",
+    "safety",
+    "loop",
+    "limits",
+    "session",
+    "fallback",
+    "telemetry",
+    "recording",
+    "live",
+];
+
 #[test]
 fn law_the_page_has_every_key() {
     let page = fs::read_to_string(examples().join("../docs/connect.md")).unwrap();
@@ -233,28 +257,30 @@ fn law_the_page_has_every_key() {
         ("network.", "[network]\n"),
         ("device.", "[device]\n"),
         ("safety.", "[safety]\n"),
+        ("limits.", "[limits]\n"),
+        ("session.", "[session]\n"),
+        ("fallback.", "[fallback]\n"),
         ("loop.", "[loop]\n"),
         ("telemetry.", "[telemetry]\n"),
         ("recording.", "[recording]\n"),
         ("live.", "[live]\n"),
     ] {
         let text = format!(
-            "{good}\n[loop]\npriority = 0\n\n[telemetry]\naddress = \"127.0.0.1:1\"\n\n[recording]\n\n[live]\n"
+            "{good}\n[loop]\npriority = 0\n[limits]\n[session]\n[fallback]\n\n[telemetry]\naddress = \"127.0.0.1:1\"\n\n\
+             [recording]\n\n[live]\n"
         );
         let place = text.find(at).unwrap() + if section.is_empty() { 0 } else { at.len() };
         fs::write(&site, format!("{}absent = 1\n{}", &text[..place], &text[place..])).unwrap();
         let message = refusal(&["run", site.to_str().unwrap()]);
         let allowed = message.split("expected ").nth(1).unwrap_or_else(|| panic!("{message}"));
         for key in allowed.split('`').skip(1).step_by(2) {
-            let is_table =
-                ["network", "device", "safety", "loop", "telemetry", "recording", "live"].contains(&key);
-            if !(section.is_empty() && is_table) {
+            if !(section.is_empty() && TABLES.contains(&key)) {
                 assert!(page.contains(&format!("`{section}{key}`")), "{section}{key} {message}");
                 keys += 1;
             }
         }
     }
-    assert!(keys >= 22, "{keys}");
+    assert!(keys >= 37, "{keys}");
     let output = program().args(["demo", "--seconds", "0.2"]).output().unwrap();
     for key in summary(&output)["sites"][0].as_object().unwrap().keys() {
         // as a key of its own or of a group
@@ -308,7 +334,11 @@ fn law_the_telemetry_of_a_session_reaches_who_listens() {
     assert!(rows.windows(2).all(|rows| rows[0][3] < rows[1][3]));
     let mut phases: Vec<f64> = rows.iter().map(|row| row[4]).collect();
     phases.dedup();
-    assert_eq!(phases, [Phase::Greeting, Phase::Running, Phase::Leaving, Phase::Ended].map(phase_code));
+    let [first, .., last] = phases[..] else { panic!("{phases:?}") };
+    assert_eq!([first, last], [Phase::Connecting, Phase::Ended].map(phase_code));
+    for phase in [Phase::RampingIn, Phase::Running, Phase::RampingOut] {
+        assert!(phases.contains(&phase_code(phase)), "{phases:?}");
+    }
     let running: Vec<_> = rows.iter().filter(|row| row[4] == phase_code(Phase::Running)).collect();
     assert!(running.len() > 100, "{}", running.len());
     assert!(running.iter().any(|row| row[19].hypot(row[20]) > 0.0));
@@ -364,14 +394,28 @@ fn assert_is_coupled_and_let_go(name: &str, mut robot: Command) {
         .spawn()
         .unwrap();
     let other = program().arg("run").arg(second).args(["--seconds", "60"]).spawn().unwrap();
-    let site = program().arg("run").arg(first).args(["--seconds", "8"]).output().unwrap();
+    // whoever holds the robot consents; before it is asked for, that is refused and said
+    let mut site = program();
+    site.arg("run").arg(first).args(["--seconds", "8", "--console"]).stdin(Stdio::piped());
+    let mut site = site.spawn().unwrap();
+    let mut orders = site.stdin.take().unwrap();
+    for order in ["nonsense", "mark participant P-01"].into_iter().chain(["consent"; 12]) {
+        // a site that has ended takes none
+        let _ = writeln!(orders, "{order}");
+        std::thread::sleep(std::time::Duration::from_millis(500));
+    }
+    let site = site.wait_with_output().unwrap();
     let other = other.wait_with_output().unwrap();
     let robot = robot.wait_with_output().unwrap();
     assert_eq!(site.status.code(), Some(0), "{site:?} {robot:?}");
     assert_eq!(other.status.code(), Some(0), "{other:?}");
-    let [site, other] = [summary(&site), summary(&other)];
+    // of a console the last line
+    let last = String::from_utf8_lossy(&site.stdout).lines().last().unwrap().to_owned();
+    let [site, other] = [serde_json::from_str(&last).unwrap(), summary(&other)];
     assert_eq!([&site["cause"], &other["cause"]], ["stop-requested", "partner-left"]);
-    assert!(events(&site).contains(&"ramping-in"), "{site}");
+    for event in ["order-refused", "mark", "consented", "partner-consented", "ramping-in"] {
+        assert!(events(&site).contains(&event), "{event}: {site}");
+    }
     // its rows set the pace; the other side has none
     assert!(site["lateness"]["followed"].as_u64().unwrap() > 100, "{site}");
     assert_eq!(other["lateness"]["followed"], 0);

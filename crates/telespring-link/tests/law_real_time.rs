@@ -39,7 +39,8 @@ fn site(study: &Study, side: u8, link: Udp, stop: &AtomicBool, watch: impl FnMut
     let device = Simulated::new(&laboratory, index, 3).unwrap();
     let settings =
         SiteSettings::new(study, side, draw_session(), Safety { stall: PATIENT, ..Safety::default() })
-            .unwrap();
+            .unwrap()
+            .simulated();
     // no test waits longer
     let limits = Limits { duration: Some(Span::from_seconds(60.0)) };
     let plan = Plan { real_time: PRIORITY, limits, ..Plan::default() };

@@ -52,7 +52,11 @@ fn study() -> Study {
 }
 
 fn settings(study: &Study, side: u8) -> SiteSettings {
-    SiteSettings::new(study, side, 20 + u64::from(side), Safety { force: 4.0, ..Safety::default() }).unwrap()
+    let settings = SiteSettings::new(study, side, 20 + u64::from(side), Safety::default()).unwrap();
+    SiteSettings {
+        limits: telespring_link::site::Limits { force: 4.0, ..settings.limits },
+        ..settings.simulated()
+    }
 }
 
 fn recorder(writer: impl Write + Send + 'static, side: u8) -> (Recorder, Recording, Facts) {
@@ -201,7 +205,7 @@ fn law_what_is_read_back_is_what_the_loop_saw() {
     assert!(refused >= 40, "{refused}");
     let events: Vec<_> = file.events(1).into_iter().map(|(event, _)| event).collect();
     assert!(
-        ["agreed", "running", "partner-found", "engaged"]
+        ["agreed", "phase", "partner-found", "engaged"]
             .iter()
             .all(|event| events.contains(&(*event).to_owned())),
         "{events:?}"
@@ -233,7 +237,7 @@ fn short(observers: Vec<Box<dyn Observer>>, recording: Option<Recording>) -> Sum
     let device = Simulated::new(&laboratory, 0, 7).unwrap();
     let real_time = LoopChoice { priority: None, lock_memory: false, ..LoopChoice::default() };
     let limits = Limits { duration: Some(Span(300_000_000)) };
-    let plan = Plan { real_time, limits, observers, recording };
+    let plan = Plan { real_time, limits, observers, recording, ..Plan::default() };
     let stop = std::sync::atomic::AtomicBool::new(false);
     conduct(settings(&study, 1), device, ends[0].clone(), plan, &stop, |_| {}).unwrap()
 }
@@ -379,7 +383,7 @@ fn law_what_finds_no_room_is_counted_in_the_file_and_in_the_summary() {
         // its next flush stands still
         std::thread::sleep(Duration::from_millis(600));
         for time in 0..count {
-            feed.publish(Item::Event { time: LocalTime(time), happened: Happened::Running });
+            feed.publish(Item::Event { time: LocalTime(time), happened: Happened::Restored });
         }
         observers
     };
@@ -388,7 +392,7 @@ fn law_what_finds_no_room_is_counted_in_the_file_and_in_the_summary() {
     assert_eq!(summary.status, "complete");
     let file = file.file();
     let events = file.events(1);
-    let seen = events.iter().filter(|(event, _)| event == "running").count() as u64;
+    let seen = events.iter().filter(|(event, _)| event == "restored").count() as u64;
     let missed = events.iter().filter(|(event, _)| event == "recording-missed");
     let told: u64 = missed.map(|(_, cause)| cause.as_ref().unwrap().parse::<u64>().unwrap()).sum();
     assert!(told > 0);

@@ -8,7 +8,7 @@ use telespring::session::{Motion, PeerTime, Span, WatchdogState};
 use telespring::study::Study;
 use telespring_link::device::Fault;
 use telespring_link::hello::{Disagreement, Greeting, Purpose, Terms};
-use telespring_link::site::{Cause, Happened, Phase};
+use telespring_link::site::{Cause, Happened, Interruption, Phase};
 
 const GUARD: &str = "coupling.stiffness = 100\nnetwork.delay = 0.02\nsession.strategy = \"guard\"";
 
@@ -36,18 +36,15 @@ fn engaged_by(study: &Study) -> Pair {
     pair
 }
 
-fn happened(pair: &Pair, side: usize, wanted: &Happened) -> bool {
-    pair.site_of(side).log().entries().iter().any(|(_, happened)| happened == wanted)
-}
-
 #[test]
 fn law_no_force_before_both_have_agreed_and_then_it_ramps_in() {
     let mut pair = Pair::new([&study(), &study()], 0.02);
     pair.devices[1].change(|script| script.is_ready = false);
     pair.run(500, |pair, forces| {
         assert_eq!(forces, [[0.0; 2]; 2]);
-        assert_eq!(pair.phases(), [Phase::Greeting; 2]);
+        assert!(pair.phases().iter().all(|phase| !phase.is_coupled()));
     });
+    assert_eq!(pair.phases(), [Phase::Homing; 2]);
     pair.devices[1].change(|script| script.is_ready = true);
     let mut before = [[0.0; 2]; 2];
     pair.run(1500, |_, forces| {
@@ -76,7 +73,7 @@ fn law_a_partner_with_another_study_is_refused_with_the_reason() {
         let mut pair = Pair::new([&study(), &hman_study(line)], 0.02);
         pair.run(1500, |_, forces| assert_eq!(forces, [[0.0; 2]; 2]));
         for side in 0..2 {
-            assert!(happened(&pair, side, &Happened::Disagreed(disagreement)), "{line}");
+            assert!(pair.happened(side, &Happened::Disagreed(disagreement)), "{line}");
             assert_eq!(pair.site_of(side).cause(), Some(Cause::Refused(disagreement)));
             assert_eq!(pair.site_of(side).phase(), Phase::Ended);
         }
@@ -88,11 +85,11 @@ fn law_one_stray_greeting_ends_nothing() {
     let mut pair = Pair::new([&study(), &study()], 0.02);
     pair.sites[1] = None;
     let terms = Terms::new(&hman_study("coupling.stiffness = 1\nnetwork.delay = 0.02"), 2).unwrap();
-    let stray = Greeting { purpose: Purpose::Hello, session: 99, accepted: 0, refusal: None, terms };
+    let stray = Greeting::new(Purpose::Hello, 99, 0, terms);
     pair.tick();
     pair.ends[0].wire.borrow_mut().injected[0].push(stray.encode().to_vec());
     pair.run(3000, |_, _| {});
-    assert_eq!(pair.site_of(0).phase(), Phase::Greeting);
+    assert_eq!(pair.site_of(0).phase(), Phase::Connecting);
     pair.restart(&study(), 1, 12);
     pair.run(1500, |_, _| {});
     assert_eq!(pair.phases(), [Phase::Running; 2]);
@@ -139,7 +136,7 @@ fn law_a_partner_that_starts_anew_is_greeted_anew_and_the_force_begins_from_zero
         before = forces;
     });
     assert!(has_been_zero);
-    assert!(happened(&pair, 0, &Happened::Agreed { session: 77 }));
+    assert!(pair.happened(0, &Happened::Agreed { session: 77 }));
     assert!((before[0][0] - FORCE).abs() < 1e-9, "{before:?}");
     assert!((before[1][0] + FORCE).abs() < 1e-9, "{before:?}");
     assert_eq!(pair.site_of(0).session_report().restarts, 1);
@@ -151,7 +148,7 @@ fn law_a_partner_that_starts_anew_with_another_study_gets_no_force() {
     pair.restart(&hman_study("coupling.stiffness = 900\nnetwork.delay = 0.02"), 1, 77);
     pair.run(1000, |_, _| {});
     pair.run(1000, |_, forces| assert_eq!(forces, [[0.0; 2]; 2]));
-    assert!(happened(&pair, 0, &Happened::Disagreed(Disagreement::Coupling)));
+    assert!(pair.happened(0, &Happened::Disagreed(Disagreement::Coupling)));
     assert_eq!(pair.site_of(1).cause(), Some(Cause::Refused(Disagreement::Coupling)));
 }
 
@@ -161,9 +158,7 @@ fn law_garbage_and_floods_change_nothing_but_counts() {
     let packet = Packet::of(1_000_000, PeerTime(1), Motion::default());
     let strange = Packet { session: 0xbad, ..packet }.encode().to_vec();
     let terms = Terms::new(&study(), 2).unwrap();
-    let hello = |session, purpose| {
-        Greeting { purpose, session, accepted: 11, refusal: None, terms }.encode().to_vec()
-    };
+    let hello = |session, purpose| Greeting::new(purpose, session, 11, terms).encode().to_vec();
     let mut future = hello(5, Purpose::Hello);
     future[4] = 9;
     let garbage = [
@@ -223,17 +218,35 @@ fn law_a_stop_lets_both_forces_fall_along_a_ramp_and_both_sides_end() {
 
 #[test]
 fn law_a_device_that_stops_or_fails_has_no_force_from_that_tick_on() {
-    for cause in [Cause::EmergencyStop, Cause::DeviceNotReady, Cause::Device(Fault::Silent)] {
+    let halted = Interruption::Device(Fault::Halted);
+    let silent = Interruption::Device(Fault::Silent);
+    for cause in [Interruption::EmergencyStop, Interruption::DeviceNotReady, silent, halted] {
         let mut pair = engaged();
         pair.devices[0].change(|script| match cause {
-            Cause::EmergencyStop => script.is_stopped = true,
-            Cause::DeviceNotReady => script.is_ready = false,
-            _ => script.fault = Some(Fault::Silent),
+            Interruption::EmergencyStop => script.is_stopped = true,
+            Interruption::DeviceNotReady => script.is_ready = false,
+            Interruption::Device(fault) => script.fault = Some(fault),
+            _ => unreachable!(),
         });
-        pair.run(500, |_, forces| assert_eq!(forces[0], [0.0; 2]));
-        assert_eq!(pair.site_of(0).cause(), Some(cause));
-        assert_eq!(pair.site_of(1).cause(), Some(Cause::PartnerLeft));
-        assert_eq!(pair.phases(), [Phase::Ended; 2]);
+        let mut before = pair.forces()[1][0];
+        pair.run(500, |_, forces| {
+            assert_eq!(forces[0], [0.0; 2]);
+            // along the partner's ramp
+            assert!((forces[1][0] - before).abs() <= FORCE / 50.0, "{} {before}", forces[1][0]);
+            before = forces[1][0];
+        });
+        assert_eq!(before, 0.0);
+        if cause == halted {
+            // it cannot come back
+            assert_eq!(pair.site_of(0).cause(), Some(Cause::Device(Fault::Halted)));
+            assert_eq!(pair.site_of(1).cause(), Some(Cause::PartnerLeft));
+            assert_eq!(pair.phases(), [Phase::Ended; 2]);
+        } else {
+            assert!(pair.happened(0, &Happened::Interrupted(cause)));
+            assert!(pair.happened(1, &Happened::Interrupted(Interruption::Partner)));
+            let phase = if cause == Interruption::EmergencyStop { Phase::Stopped } else { Phase::Homing };
+            assert_eq!(pair.phases(), [phase; 2]);
+        }
     }
 }
 
@@ -245,7 +258,8 @@ fn law_an_impossible_measurement_ends_in_no_force_and_never_in_one_that_is_not_f
         assert!(forces.as_flattened().iter().all(|force| force.is_finite() && force.abs() <= FORCE + 1e-9));
     });
     assert_eq!(pair.forces()[0], [0.0; 2]);
-    assert_eq!(pair.phases(), [Phase::Running; 2]);
+    // the force would begin anew by itself
+    assert_eq!(pair.phases(), [Phase::RampingIn; 2]);
 }
 
 #[test]

@@ -49,7 +49,7 @@ fn law_the_program_couples_two_namespaces_over_an_impaired_path() {
         assert!(events(&summary).contains(&"engaged"), "{summary}");
         assert!(summary["coupled_share"].as_f64().unwrap() > 0.5, "{summary}");
         let largest = summary["largest_force"].as_f64().unwrap();
-        assert!(largest > 0.0 && largest <= SAFETY.force, "{summary}");
+        assert!(largest > 0.0 && largest <= Limits::default().force, "{summary}");
         assert!(summary["energy"]["least_balance"].as_f64().unwrap() >= 0.0, "{summary}");
         assert!(summary["te"].as_f64().unwrap() > 0.0, "{summary}");
         assert!(summary["loss"]["received"].as_u64().unwrap() > 1000, "{summary}");
@@ -135,8 +135,7 @@ fn law_a_greeting_of_another_version_is_refused_with_the_reason() {
     known.joined.namespaces[1].within(|| {
         let mut other = Iroh::new(&settings).unwrap();
         let terms = Terms::new(&live::study(), 2).unwrap();
-        let greeting =
-            Greeting { purpose: Purpose::Hello, session: draw_session(), accepted: 0, refusal: None, terms };
+        let greeting = Greeting::new(Purpose::Hello, draw_session(), 0, terms);
         let mut bytes = greeting.encode();
         // the version
         bytes[4] = bytes[4].wrapping_add(1);

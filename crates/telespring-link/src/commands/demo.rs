@@ -9,7 +9,7 @@ use telespring_link::console::Output;
 use telespring_link::demo::{self, DemoError};
 use telespring_link::settings::LoopChoice;
 
-use super::{Failure, leave_with_input, outcome, print_summary, stop_on_signal};
+use super::{Failure, orders, outcome, print_summary, stop_on_signal};
 
 /// Runs both sides on this machine, over an emulated path, and prints a summary as JSON
 #[derive(Debug, Args)]
@@ -35,15 +35,19 @@ pub struct Demo {
     /// Draws the path and what the simulated people see
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    /// A delay that is imposed on the partner's motion, s; it must not be below that of the path
+    #[arg(long, allow_negative_numbers = true)]
+    imposed_delay: Option<f64>,
+    /// Prints status, events and summary as JSON, one object per line, and takes orders from standard input, one per line, for both sides or, after 1 or 2, for one: consent, withdraw, pause,
+    /// resume, stop, clear, mark KIND TEXT
+    #[arg(long)]
+    console: bool,
     /// The folder for the recordings of both sides
     #[arg(long, value_name = "FOLDER")]
     record: Option<PathBuf>,
     /// An address of this machine for Foxglove or Lichtblick
     #[arg(long, value_name = "ADDRESS")]
     live: Option<SocketAddr>,
-    /// Prints status and events as JSON, one object per line, while the session runs; its end is that of the input, too
-    #[arg(long)]
-    console: bool,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -54,20 +58,30 @@ enum Strategy {
 
 impl Demo {
     pub(super) fn run(self) -> Result<ExitCode, Failure> {
-        let Self { seconds, delay, jitter, loss, stiffness, strategy, seed, record, live, console } = self;
+        let Self { seconds, delay, jitter, loss, stiffness, strategy, seed, .. } = self;
+        let Self { imposed_delay, console, record, live, .. } = self;
         let strategy = match strategy {
             Strategy::Guard => "guard",
             Strategy::Spring => "spring",
         };
         let real_time = LoopChoice::default();
-        let demo =
-            demo::Demo { seconds, delay, jitter, loss, stiffness, strategy, seed, real_time, record, live };
-        let console = console.then(Output::stdout).transpose()?;
+        let demo = demo::Demo {
+            seconds,
+            delay,
+            jitter,
+            loss,
+            stiffness,
+            strategy,
+            seed,
+            imposed_delay,
+            real_time,
+            record,
+            live,
+        };
         let stop = stop_on_signal();
-        if console.is_some() {
-            leave_with_input(&stop)?;
-        }
-        let summary = demo.run(&stop, console.as_ref()).map_err(|error| match error {
+        let orders = if console { orders(&stop)?.map(Some) } else { [None, None] };
+        let console = console.then(Output::stdout).transpose()?;
+        let summary = demo.run(&stop, orders, console.as_ref()).map_err(|error| match error {
             DemoError::Input(refusal) => Failure::Input(refusal),
             DemoError::Conduct(error) => error.into(),
             other => Failure::Other(other.to_string()),

@@ -9,7 +9,7 @@ mod probe;
 mod relay_config;
 mod run;
 
-use std::io::{Read, Write};
+use std::io::Write;
 use std::os::fd::AsFd;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -17,11 +17,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use clap::{Parser, Subcommand};
+use rtrb::Consumer;
 use serde::Serialize;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use telespring::InvalidInput;
 use telespring_link::conduct::ConductError;
 use telespring_link::console::Output;
+use telespring_link::operator::{self, Order};
 use telespring_link::summary::Summary;
 
 /// How long the summary waits for a reader that stalls.
@@ -111,6 +113,22 @@ fn stop_on_signal() -> Arc<AtomicBool> {
     stop
 }
 
+/// The orders from standard input, for each of `N` sides. The end of an input that a program writes sets `stop`: whoever
+/// watched the session is gone then.
+fn orders<const N: usize>(stop: &Arc<AtomicBool>) -> Result<[Consumer<Order>; N], Failure> {
+    let (listener, orders) = operator::listen(std::io::BufReader::new(std::io::stdin()))?;
+    if is_written_by_program(&std::io::stdin()) {
+        let stop = Arc::clone(stop);
+        let wait = move || {
+            // whether it ended or broke off, nobody is heard any more
+            let _ = listener.join();
+            stop.store(true, Ordering::Relaxed);
+        };
+        std::thread::Builder::new().name("input".to_owned()).spawn(wait)?;
+    }
+    Ok(orders)
+}
+
 /// Success if every side ran, and was left as people leave.
 fn outcome<'a>(sides: impl IntoIterator<Item = &'a Summary>) -> ExitCode {
     let fine = sides.into_iter().all(|side| {
@@ -133,21 +151,6 @@ fn print(content: &impl Serialize) {
     if let Err(error) = text.and_then(|text| writeln!(std::io::stdout(), "{text}")) {
         eprintln!("the output cannot be written: {error}");
     }
-}
-
-/// Ends the session in order when the input ends, if a program writes it: whoever watched the session is gone then.
-fn leave_with_input(stop: &Arc<AtomicBool>) -> Result<(), Failure> {
-    if !is_written_by_program(&std::io::stdin()) {
-        return Ok(());
-    }
-    let stop = Arc::clone(stop);
-    let read = move || {
-        let mut room = [0; 256];
-        while std::io::stdin().read(&mut room).is_ok_and(|length| length > 0) {}
-        stop.store(true, Ordering::Relaxed);
-    };
-    std::thread::Builder::new().name("input".to_owned()).spawn(read)?;
-    Ok(())
 }
 
 /// Whether an input is a pipe or a socket. A terminal, a file and nothing at all have an end that means nothing.

@@ -13,9 +13,8 @@ use telespring_link::real_time::Limits;
 use telespring_link::record::Facts;
 use telespring_link::record::live::LiveServer;
 use telespring_link::settings::{SiteFile, check_duration};
-use telespring_link::site::SiteSettings;
 
-use super::{Failure, leave_with_input, outcome, parts, print_summary, stop_on_signal};
+use super::{Failure, orders, outcome, parts, print_summary, stop_on_signal};
 
 /// Runs the site of a file until the partner leaves, Ctrl-C, or the time is over, and prints a summary as JSON
 #[derive(Debug, Args)]
@@ -25,22 +24,22 @@ pub struct Run {
     /// How long the session takes at most, s
     #[arg(long, allow_negative_numbers = true)]
     seconds: Option<f64>,
+    /// Prints status, events and summary as JSON, one object per line, and takes orders from standard input, one per line: consent, withdraw, pause, resume, stop, clear, mark KIND TEXT
+    #[arg(long)]
+    console: bool,
     /// The folder for a recording
     #[arg(long, value_name = "FOLDER")]
     record: Option<PathBuf>,
     /// An address of this machine for Foxglove or Lichtblick
     #[arg(long, value_name = "ADDRESS")]
     live: Option<SocketAddr>,
-    /// Prints status and events as JSON, one object per line, while the session runs; its end is that of the input, too
-    #[arg(long)]
-    console: bool,
 }
 
 impl Run {
     pub(super) fn run(self) -> Result<ExitCode, Failure> {
         let file = SiteFile::read(&self.site)?;
         let duration = self.seconds.map(check_duration).transpose()?.or(file.duration);
-        let settings = SiteSettings::new(&file.study, file.side, draw_session(), file.safety)?;
+        let settings = file.site(draw_session())?;
         let facts = Facts::new(&file.study, &settings)
             .with("device", file.device.word())
             .with("network", file.network.word());
@@ -50,6 +49,8 @@ impl Run {
         if let Some(choice) = &file.telemetry {
             observers.push(parts::telemetry(choice, &settings.terms)?);
         }
+        let stop = stop_on_signal();
+        let [orders] = if self.console { orders(&stop)?.map(Some) } else { [None] };
         let server = match (self.live, file.live) {
             (Some(address), _) => Some(LiveServer::start("--live", address)?),
             (None, Some(address)) => Some(LiveServer::start("live.address", address)?),
@@ -62,15 +63,16 @@ impl Run {
         };
         let console = self.console.then(Output::stdout).transpose()?;
         if let Some(output) = &console {
-            observers.push(Box::new(Console::new(output.clone(), &settings.terms)));
+            observers.push(Box::new(Console::new(output.clone(), file.side)));
         }
-        let plan =
-            Plan { real_time: file.real_time, limits: Limits { duration }, observers, ..Plan::default() };
+        let plan = Plan {
+            real_time: file.real_time,
+            limits: Limits { duration },
+            observers,
+            orders,
+            ..Plan::default()
+        };
         let plan = plan.watched(&facts, folder, server.as_ref())?;
-        let stop = stop_on_signal();
-        if console.is_some() {
-            leave_with_input(&stop)?;
-        }
         let summary = conduct(settings, device, transport, plan, &stop, |_| {})?;
         print_summary(&summary, console.as_ref());
         Ok(outcome([&summary]))

@@ -11,8 +11,7 @@ use std::time::Duration;
 use serde::Serialize;
 
 use crate::feed::{Item, Observer};
-use crate::hello::Terms;
-use crate::summary::{Entry, event_words};
+use crate::summary::Entry;
 
 /// How long an event waits for a reader that stalls; a status does not.
 const PATIENCE: Duration = Duration::from_millis(200);
@@ -34,10 +33,9 @@ struct Event<'a> {
 }
 
 impl Console {
-    /// The console of the side with these terms.
-    pub fn new(output: Output, terms: &Terms) -> Self {
-        let [stiffness, _] = terms.coupling;
-        Self { output, side: terms.side, gauge: Gauge::new(terms.side, stiffness) }
+    /// The console of side 1 or 2.
+    pub fn new(output: Output, side: u8) -> Self {
+        Self { output, side, gauge: Gauge::new(side) }
     }
 }
 
@@ -54,8 +52,7 @@ impl Observer for Console {
                 }
             }
             Item::Event { time, happened } => {
-                let (event, cause) = event_words(happened);
-                let entry = Entry { time: self.gauge.since_start(*time), event, cause };
+                let entry = Entry::new(self.gauge.first().unwrap_or(*time), *time, happened);
                 self.output.write("event", &Event { side: self.side, entry: &entry }, PATIENCE);
             }
             _ => {}

@@ -4,6 +4,7 @@
 //! comes: nobody else can, once this program has died.
 
 pub mod protocol;
+pub mod request;
 mod simulated;
 mod udp;
 
@@ -13,6 +14,8 @@ pub use udp::UdpDevice;
 use std::os::fd::BorrowedFd;
 
 use telespring::session::{LocalTime, Motion};
+
+use crate::operator::Order;
 
 /// The device's own count and time of a measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,8 +48,10 @@ pub struct Reading {
 pub struct Command {
     /// The force on the handle until the next command, N.
     pub force: [f64; 2],
-    /// Whether the session runs: a simulated person begins to move with it.
+    /// Whether the two sides are coupled: a simulated person moves meanwhile.
     pub is_running: bool,
+    /// Whether the session is over.
+    pub is_over: bool,
 }
 
 /// Why a device cannot go on.
@@ -69,6 +74,11 @@ impl Fault {
             Self::Silent => "device-silent",
         }
     }
+
+    /// Whether the device cannot come back.
+    pub fn is_final(self) -> bool {
+        matches!(self, Self::Halted)
+    }
 }
 
 /// The robot of one side. No call waits or allocates.
@@ -83,6 +93,11 @@ pub trait Device {
     /// Tells the device what to do from now on.
     fn command(&mut self, now: LocalTime, command: Command);
 
+    /// The oldest order that somebody gave at the device and that nobody has asked for yet.
+    fn poll_order(&mut self) -> Option<Order> {
+        None
+    }
+
     /// What becomes readable once the device has measured anew, if the device has a pace of its own.
     fn pace(&self) -> Option<BorrowedFd<'_>> {
         None
@@ -96,6 +111,10 @@ impl<D: Device + ?Sized> Device for Box<D> {
 
     fn command(&mut self, now: LocalTime, command: Command) {
         (**self).command(now, command);
+    }
+
+    fn poll_order(&mut self) -> Option<Order> {
+        (**self).poll_order()
     }
 
     fn pace(&self) -> Option<BorrowedFd<'_>> {

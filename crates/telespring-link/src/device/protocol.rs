@@ -50,7 +50,7 @@ pub struct State {
 }
 
 /// The values of a row; `None` if it has another length.
-fn values<const N: usize>(bytes: &[u8]) -> Option<[f64; N]> {
+pub(super) fn values<const N: usize>(bytes: &[u8]) -> Option<[f64; N]> {
     if bytes.len() != 8 * N {
         return None;
     }
@@ -62,7 +62,7 @@ fn values<const N: usize>(bytes: &[u8]) -> Option<[f64; N]> {
 }
 
 /// A row as bytes.
-fn bytes<const N: usize, const BYTES: usize>(row: [f64; N]) -> [u8; BYTES] {
+pub(super) fn bytes<const N: usize, const BYTES: usize>(row: [f64; N]) -> [u8; BYTES] {
     let mut bytes = [0; BYTES];
     for (place, value) in bytes.chunks_exact_mut(8).zip(row) {
         place.copy_from_slice(&value.to_le_bytes());
@@ -136,22 +136,26 @@ pub struct Order {
     pub answers: [f64; 2],
     /// The force on the handle, N, to hold until the next command or the device's deadline.
     pub force: [f64; 2],
-    /// Whether the session runs.
+    /// Whether the two sides are coupled.
     pub is_running: bool,
+    /// Whether the session is over, so that the device program may end.
+    pub is_over: bool,
 }
 
 impl Order {
-    /// The command as a row; the last value is not used yet and is 0.
+    /// The command as a row.
     pub fn encode(&self) -> [u8; 8 * COMMAND_VALUES] {
         let ([sequence, time], [x, y]) = (self.answers, self.force);
-        bytes([VERSION, self.sequence, sequence, time, x, y, f64::from(u8::from(self.is_running)), 0.0])
+        let [running, over] = [self.is_running, self.is_over].map(|flag| f64::from(u8::from(flag)));
+        bytes([VERSION, self.sequence, sequence, time, x, y, running, over])
     }
 
     /// The command in a row; `None` if it is none.
     pub fn decode(row: &[u8]) -> Option<Self> {
-        let [version, sequence, state, time, x, y, running, _] = values::<COMMAND_VALUES>(row)?;
+        let [version, sequence, state, time, x, y, running, over] = values::<COMMAND_VALUES>(row)?;
         (version == VERSION).then_some(())?;
-        Some(Self { sequence, answers: [state, time], force: [x, y], is_running: flag(running)? })
+        let (is_running, is_over) = (flag(running)?, flag(over)?);
+        Some(Self { sequence, answers: [state, time], force: [x, y], is_running, is_over })
     }
 }
 
@@ -171,8 +175,11 @@ mod tests {
             is_stopped: true,
         };
         assert_eq!(State::decode(&state.encode()), Some(state));
-        let order = Order { sequence: 9.0, answers: [3.0, 0.25], force: [1.0, -1.0], is_running: true };
-        assert_eq!(Order::decode(&order.encode()), Some(order));
+        for is_over in [false, true] {
+            let (answers, force, is_running) = ([3.0, 0.25], [1.0, -1.0], !is_over);
+            let order = Order { sequence: 9.0, answers, force, is_running, is_over };
+            assert_eq!(Order::decode(&order.encode()), Some(order));
+        }
     }
 
     #[test]

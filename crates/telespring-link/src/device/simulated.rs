@@ -10,13 +10,13 @@ use super::{Command, Device, Fault, Reading, Stamp};
 const MOST_STEPS: i64 = 10_000;
 
 /// The robot of a study with its simulated person, moved as far as the time that has passed. The person rests on the first
-/// target until the session runs. Like a real device, it acts on a command for [`Simulated::deadline`] only.
+/// target until the session runs, and on the latest one while it does not run any more. Like a real device, it acts on a command for [`Simulated::deadline`] only.
 #[derive(Debug, Clone)]
 pub struct Simulated {
     robot: SimulatedRobot,
     period: Span,
     command: Command,
-    /// When the session began to run, and when the robot was moved and told last.
+    /// When the session began to run, less the time during which it did not; and when the robot was moved and told last.
     began: Option<LocalTime>,
     moved: LocalTime,
     told: LocalTime,
@@ -60,10 +60,12 @@ impl Simulated {
         for step in 0..steps {
             let (from, to) = (whole.0 * step / steps, whole.0 * (step + 1) / steps);
             let at = self.moved + Span(from);
+            let shown = if self.command.is_running { at } else { self.moved };
             let span = Span(to - from).seconds();
             expired |= at >= end;
             let force = if at >= end { [0.0; 2] } else { self.command.force };
-            let acted = self.robot.advance((at - began).seconds(), force, span).map_err(|_| Fault::Halted)?;
+            let acted =
+                self.robot.advance((shown - began).seconds(), force, span).map_err(|_| Fault::Halted)?;
             impulse = [0, 1].map(|axis| impulse[axis] + acted[axis] * span);
         }
         self.moved = now;
@@ -75,7 +77,14 @@ impl Simulated {
 impl Device for Simulated {
     fn read(&mut self, now: LocalTime) -> Result<Reading, Fault> {
         let acted = match self.began {
-            Some(began) if now > self.moved => self.advance(began, now)?,
+            Some(began) if now > self.moved => {
+                let stood_still = now - self.moved;
+                let acted = self.advance(began, now)?;
+                if !self.command.is_running {
+                    self.began = Some(began + stood_still);
+                }
+                acted
+            }
             _ => None,
         };
         // The clock of the person starts with the first measurement of a session that runs.
@@ -122,7 +131,7 @@ mod tests {
         laboratory.stations[0].agent = telespring::rig::Agent::Skilled { stiffness: 0.0, damping: 0.0 };
         let reach = |stall: i64| {
             let mut device = Simulated::new(&laboratory, 0, 1).unwrap();
-            let push = Command { force: [5.0, 0.0], is_running: true };
+            let push = Command { force: [5.0, 0.0], is_running: true, is_over: false };
             device.command(LocalTime(0), push);
             device.read(LocalTime(1_000_000)).unwrap();
             device.command(LocalTime(1_000_000), push);

@@ -7,11 +7,15 @@ use std::os::fd::{AsFd, BorrowedFd};
 use telespring::session::{LocalTime, Span};
 
 use super::protocol::{Order, State};
+use super::request::Request;
 use super::{Command, Device, Fault, Reading, Stamp};
+use crate::operator;
 use crate::transport::{ROOM, Transport, Udp};
 
 /// Rows that are looked at in one tick.
 const MOST_ROWS: usize = 64;
+/// Orders of the device that wait.
+const MOST_REQUESTS: usize = 8;
 
 /// A robot whose program speaks the device protocol (`docs/device-protocol.md`).
 #[derive(Debug)]
@@ -22,6 +26,9 @@ pub struct UdpDevice {
     heard: Option<LocalTime>,
     orders: u64,
     refused: u64,
+    /// The newest order of the device, and those that wait, oldest first.
+    requested: f64,
+    requests: [Option<operator::Order>; MOST_REQUESTS],
 }
 
 impl UdpDevice {
@@ -42,7 +49,16 @@ impl UdpDevice {
     /// Those of the operating system.
     pub fn on(socket: UdpSocket, device: SocketAddr, deadline: Span) -> Result<Self, Error> {
         let link = Udp::on(socket, device)?;
-        Ok(Self { link, deadline, newest: None, heard: None, orders: 0, refused: 0 })
+        Ok(Self {
+            link,
+            deadline,
+            newest: None,
+            heard: None,
+            orders: 0,
+            refused: 0,
+            requested: f64::NEG_INFINITY,
+            requests: [None; MOST_REQUESTS],
+        })
     }
 
     /// Rows that were no data, repeated or overtaken.
@@ -51,8 +67,12 @@ impl UdpDevice {
     }
 
     /// Takes a row; the state if it is newer than all before. A device program that is started anew counts from the
-    /// beginning, and is not believed within this session.
+    /// beginning, and is not believed before the former one has been silent for the deadline.
     fn take(&mut self, row: &[u8]) -> Option<State> {
+        if let Some(request) = Request::decode(row) {
+            self.take_request(request);
+            return None;
+        }
         let newest = self.newest.map_or(f64::NEG_INFINITY, |state| state.sequence);
         let state = State::decode(row).filter(|state| state.sequence.is_finite() && state.sequence > newest);
         match state {
@@ -60,6 +80,15 @@ impl UdpDevice {
             None => self.refused = self.refused.saturating_add(1),
         }
         state
+    }
+
+    /// Takes an order, if it is newer than all before and there is room.
+    fn take_request(&mut self, Request { sequence, order }: Request) {
+        let place = self.requests.iter_mut().find(|place| place.is_none());
+        match place.filter(|_| sequence > self.requested) {
+            Some(place) => (self.requested, *place) = (sequence, Some(order)),
+            None => self.refused = self.refused.saturating_add(1),
+        }
     }
 }
 
@@ -79,6 +108,8 @@ impl Device for UdpDevice {
         if fresh {
             self.heard = Some(now);
         } else if self.heard.is_some_and(|heard| now - heard > self.deadline) {
+            // whatever comes next may be a program started anew
+            (self.newest, self.requested) = (None, f64::NEG_INFINITY);
             return Err(Fault::Silent);
         }
         let state = self.newest;
@@ -95,9 +126,15 @@ impl Device for UdpDevice {
     fn command(&mut self, now: LocalTime, command: Command) {
         self.orders += 1;
         let answers = self.newest.map_or([0.0; 2], |state| [state.sequence, state.time]);
-        let Command { force, is_running } = command;
-        let order = Order { sequence: self.orders as f64, answers, force, is_running };
+        let Command { force, is_running, is_over } = command;
+        let order = Order { sequence: self.orders as f64, answers, force, is_running, is_over };
         self.link.send(now, &order.encode());
+    }
+
+    fn poll_order(&mut self) -> Option<operator::Order> {
+        let oldest = self.requests.first_mut().and_then(Option::take);
+        self.requests.rotate_left(usize::from(oldest.is_some()));
+        oldest
     }
 
     fn pace(&self) -> Option<BorrowedFd<'_>> {
@@ -182,6 +219,29 @@ mod tests {
         assert!(device.read(at(10_000)).is_ok());
         assert!(device.read(at(10_100)).is_ok());
         assert_eq!(device.read(at(10_101)), Err(Fault::Silent));
+        assert_eq!(device.read(at(10_102)), Err(Fault::Silent));
+        // its program is started anew, and counts from the beginning
+        robot.send(0.0, 0.1, None);
+        assert!(device.read(at(10_200)).unwrap().is_ready);
+    }
+
+    #[test]
+    fn law_orders_of_a_device_wait_and_none_counts_twice() {
+        use crate::operator::Order::{Consent, Pause, Stop};
+        let (robot, mut device) = Robot::pair();
+        for (sequence, code) in [(1.0, 1.0), (1.0, 1.0), (0.0, 2.0), (2.0, 3.0), (3.0, 99.0), (4.0, 5.0)] {
+            robot.send_row(&Request::encode(sequence, code, 0.0));
+        }
+        // an order is no sign of life of the robot
+        assert_eq!(device.read(LocalTime(0)).unwrap().motion, None);
+        let orders: Vec<_> = std::iter::from_fn(|| device.poll_order()).collect();
+        assert_eq!(orders, [Consent, Pause, Stop]);
+        assert_eq!(device.refused(), 3);
+        for sequence in 10..30 {
+            robot.send_row(&Request::encode(f64::from(sequence), 1.0, 0.0));
+        }
+        device.read(LocalTime(0)).unwrap();
+        assert_eq!(std::iter::from_fn(|| device.poll_order()).count(), MOST_REQUESTS);
     }
 
     #[test]
@@ -194,13 +254,13 @@ mod tests {
             Order::decode(&row[..length]).unwrap()
         };
         device.command(LocalTime(0), Command::default());
-        assert_eq!(hear(), Order { sequence: 1.0, answers: [0.0; 2], force: [0.0; 2], is_running: false });
+        let nothing =
+            Order { sequence: 1.0, answers: [0.0; 2], force: [0.0; 2], is_running: false, is_over: false };
+        assert_eq!(hear(), nothing);
         robot.send(4.0, 0.0, None);
         device.read(LocalTime(0)).unwrap();
-        device.command(LocalTime(0), Command { force: [1.0, -2.0], is_running: true });
-        assert_eq!(
-            hear(),
-            Order { sequence: 2.0, answers: [4.0, 0.5], force: [1.0, -2.0], is_running: true }
-        );
+        device.command(LocalTime(0), Command { force: [1.0, -2.0], is_running: true, is_over: false });
+        let force = [1.0, -2.0];
+        assert_eq!(hear(), Order { sequence: 2.0, answers: [4.0, 0.5], force, is_running: true, ..nothing });
     }
 }

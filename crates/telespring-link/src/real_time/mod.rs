@@ -42,7 +42,7 @@ pub fn run<D: Device, T: Transport>(
     let clock = MonotonicClock;
     let start = clock.now();
     pace.begin(start);
-    let (mut ended, mut told) = (None, 0);
+    let mut ended = None;
     loop {
         let woken = wait(site.device_pace().filter(|_| follows), pace.earliest(), pace.due());
         let now = clock.now();
@@ -52,10 +52,9 @@ pub fn run<D: Device, T: Transport>(
         };
         let is_over = limits.duration.is_some_and(|duration| now - start >= duration);
         let moment = site.tick(&clock, is_over || stop.load(Ordering::Relaxed));
-        for (time, happened) in site.log().entries().iter().skip(told) {
+        for (time, happened) in site.log().news() {
             watch(Item::Event { time: *time, happened: *happened });
         }
-        told = site.log().entries().len();
         for arrival in site.arrivals() {
             watch(Item::Arrival(*arrival));
         }

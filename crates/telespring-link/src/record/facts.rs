@@ -52,9 +52,9 @@ impl Facts {
             ("wall_time_zero", zero.to_string()),
             ("study", study.name().to_owned()),
         ]);
-        let Safety { force, silence, stall, ramp_out } = settings.safety;
+        let Safety { silence, stall, ramp_out } = settings.safety;
         let safety = record([
-            ("force", force.to_string()),
+            ("force", settings.limits.force.to_string()),
             ("silence_ns", silence.0.to_string()),
             ("stall_ns", stall.0.to_string()),
             ("ramp_out_ns", ramp_out.0.to_string()),

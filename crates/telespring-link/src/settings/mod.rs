@@ -1,17 +1,20 @@
 //! The site file: what one site is told, checked. One room per table of the file.
 
 mod device;
+mod limits;
 mod network;
 mod range;
 mod real_time;
 mod record;
 mod safety;
+mod session;
 mod several;
 mod telemetry;
 
 pub use device::DeviceChoice;
 pub use network::{IrohChoice, NetworkChoice};
 pub use real_time::{LoopChoice, PaceChoice};
+pub use session::SessionChoice;
 pub use telemetry::TelemetryChoice;
 
 use std::net::SocketAddr;
@@ -23,7 +26,7 @@ use telespring::session::Span;
 use telespring::session::architecture::{PredictorDesign, StrategyDesign};
 use telespring::study::Study;
 
-use crate::site::Safety;
+use crate::site::{Limits, Safety, SiteSettings};
 use range::span;
 
 /// What a site file says.
@@ -39,8 +42,12 @@ pub struct SiteFile {
     pub network: NetworkChoice,
     /// The robot.
     pub device: DeviceChoice,
-    /// The limits.
+    /// What keeps the person safe whatever the network does.
     pub safety: Safety,
+    /// The limits of robot and person, the tighter of both.
+    pub limits: Limits,
+    /// When the two sites may be coupled.
+    pub session: SessionChoice,
     /// The loop.
     pub real_time: LoopChoice,
     /// The folder for a recording; `None` for none.
@@ -62,6 +69,12 @@ struct Text {
     device: device::Text,
     #[serde(default)]
     safety: safety::Text,
+    #[serde(default)]
+    limits: limits::Text,
+    #[serde(default)]
+    session: session::SessionText,
+    #[serde(default)]
+    fallback: session::FallbackText,
     #[serde(default, rename = "loop")]
     real_time: real_time::Text,
     telemetry: Option<telemetry::Text>,
@@ -101,6 +114,9 @@ impl SiteFile {
             network,
             device,
             safety,
+            limits,
+            session,
+            fallback,
             real_time,
             telemetry,
             recording,
@@ -110,13 +126,16 @@ impl SiteFile {
             InvalidInput::new("site", "the file", allowed, "docs/connect.md has every key of a site file.")
         })?;
         let study = Study::from_toml(&study(&path)?).map_err(|refusal| refusal.within("study"))?;
+        let (network, device) = (NetworkChoice::new(network)?, DeviceChoice::new(device)?);
         let file = Self {
             study,
             side,
             duration: seconds.map(check_duration).transpose()?,
-            network: NetworkChoice::new(network)?,
-            device: DeviceChoice::new(device)?,
+            network,
+            device,
             safety: safety::read(&safety)?,
+            limits: limits::read(&limits)?,
+            session: SessionChoice::new(session, fallback, device.is_real())?,
             real_time: LoopChoice::new(&real_time)?,
             telemetry: telemetry.map(TelemetryChoice::new).transpose()?,
             recording: recording.folder,
@@ -124,6 +143,17 @@ impl SiteFile {
         };
         file.check()?;
         Ok(file)
+    }
+
+    /// What the site is made of, for a session with this id.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`SiteSettings::new`].
+    pub fn site(&self, session: u64) -> Result<SiteSettings, InvalidInput> {
+        let settings = SiteSettings::new(&self.study, self.side, session, self.safety)?;
+        let rules = self.session.rules(settings.rules, self.device.is_real());
+        Ok(SiteSettings { limits: self.limits, rules, ..settings })
     }
 
     /// Checks what concerns several keys.

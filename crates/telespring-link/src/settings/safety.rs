@@ -1,4 +1,4 @@
-//! `[safety]`: the limits.
+//! `[safety]`: what keeps the person safe whatever the network does.
 
 use serde::Deserialize;
 use telespring::InvalidInput;
@@ -10,7 +10,6 @@ use crate::site::Safety;
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Text {
-    force: Option<f64>,
     silence: Option<f64>,
     stall: Option<f64>,
     ramp_out: Option<f64>,
@@ -22,7 +21,6 @@ pub(super) fn read(text: &Text) -> Result<Safety, InvalidInput> {
         given.map_or(Ok(usual), |given| span(field, given, [0.005, 10.0], usual.seconds()))
     };
     let safety = Safety {
-        force: text.force.unwrap_or(usual.force),
         silence: time("safety.silence", text.silence, usual.silence)?,
         stall: time("safety.stall", text.stall, usual.stall)?,
         ramp_out: time("safety.ramp_out", text.ramp_out, usual.ramp_out)?,

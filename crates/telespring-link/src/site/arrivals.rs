@@ -2,8 +2,9 @@
 
 use telespring::session::{LocalTime, WatchdogState, wire};
 
+use super::coupling::Coupling;
 use super::greeter::Heard;
-use super::{Cause, Happened, Phase, Site};
+use super::{Happened, Interruption, Phase, Site};
 use crate::clock::Clock;
 use crate::device::Device;
 use crate::hello::{Disagreement, Greeting, NoGreeting};
@@ -30,7 +31,7 @@ impl<D: Device, T: Transport> Site<D, T> {
         match Greeting::decode(datagram) {
             Ok(greeting) => self.hear(now, &greeting),
             Err(NoGreeting::OtherVersion) => {
-                if self.phase == Phase::Greeting && self.greeter.note_version(now) {
+                if self.phase == Phase::Connecting && self.greeter.note_version(now) {
                     self.log.push(now, Happened::Disagreed(Disagreement::Version));
                 }
             }
@@ -40,31 +41,52 @@ impl<D: Device, T: Transport> Site<D, T> {
 
     /// Takes a greeting.
     fn hear(&mut self, now: LocalTime, greeting: &Greeting) {
-        let is_greeting = self.phase == Phase::Greeting;
-        match self.greeter.hear(now, greeting, is_greeting, self.is_idle()) {
+        match self.greeter.hear(now, greeting, self.is_idle()) {
             Heard::Nothing => {}
             Heard::Refusable => self.tally.strange_greetings += 1,
-            Heard::Disagreed(disagreement) => self.log.push(now, Happened::Disagreed(disagreement)),
-            Heard::Agreed(session) => self.log.push(now, Happened::Agreed { session }),
-            Heard::Left => self.leave(now, Cause::PartnerLeft),
+            Heard::Disagreed(disagreement) => {
+                self.interrupt(now, Interruption::PartnerChanged);
+                self.log.push(now, Happened::Disagreed(disagreement));
+            }
+            Heard::Agreed(session) => {
+                self.interrupt(now, Interruption::PartnerChanged);
+                self.accord.meet(greeting.stance.round);
+                self.log.push(now, Happened::Agreed { session });
+                self.learn(now, greeting);
+            }
+            Heard::Partner => self.learn(now, greeting),
+            Heard::Left => self.part_for_good(now),
         }
-        self.begin(now);
+    }
+
+    /// Takes where the partner stands.
+    fn learn(&mut self, now: LocalTime, greeting: &Greeting) {
+        let before =
+            (self.accord.partner_consents(), self.accord.partner().is_some_and(|stance| stance.is_stopped));
+        let round = self.accord.own.round;
+        if !self.accord.hear(now, greeting.stance, &greeting.stamps) {
+            self.tally.overtaken_greetings += 1;
+            return;
+        }
+        self.round_trips.take(now, &greeting.stamps);
+        if self.accord.own.round != round {
+            self.greeter.hurry();
+        }
+        if self.accord.partner_consents() && !before.0 {
+            self.log.push(now, Happened::PartnerConsented);
+        }
+        if greeting.stance.is_stopped && !before.1 {
+            self.tell_stop(now, false);
+        }
     }
 
     /// Whether no force acts because of the partner. One that has started anew is greeted anew, but not before.
     fn is_idle(&self) -> bool {
-        match self.phase {
-            Phase::Greeting => true,
-            Phase::Running => matches!(self.endpoint.state(), WatchdogState::Disengaged { .. }),
-            Phase::Leaving | Phase::Ended => false,
-        }
-    }
-
-    /// Begins to run once both sides have agreed.
-    fn begin(&mut self, now: LocalTime) {
-        if self.phase == Phase::Greeting && self.greeter.is_settled() {
-            self.phase = Phase::Running;
-            self.log.push(now, Happened::Running);
+        match self.coupling {
+            _ if self.left.is_some() => false,
+            Coupling::Off => true,
+            Coupling::On { .. } => matches!(self.endpoint.state(), WatchdogState::Disengaged { .. }),
+            Coupling::Falling { .. } => false,
         }
     }
 
@@ -74,16 +96,12 @@ impl<D: Device, T: Transport> Site<D, T> {
         if let Some(session) = packet.map(|packet| packet.session) {
             if self.greeter.partner() != Some(session) {
                 self.tally.strange_packets += 1;
-                if self.is_idle() {
-                    self.greeter.note_stranger();
-                }
                 return;
             }
             // Whoever sends packets to this side has agreed to its terms.
             self.greeter.note_packet();
-            self.begin(now);
         }
-        if !self.phase.is_coupled() {
+        if self.coupling == Coupling::Off {
             self.tally.early_datagrams += 1;
             return;
         }

@@ -2,13 +2,15 @@
 
 use telespring::session::{LocalTime, Span};
 
-use crate::hello::{Disagreement, Greeting, Purpose, Terms};
+use crate::hello::{Disagreement, Greeting, Purpose, Stamps, Stance, Terms};
 
 /// What a greeting meant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Heard {
     /// Nothing new.
     Nothing,
+    /// It is the partner's, and the terms fit.
+    Partner,
     /// It is not for this session, or comes while the session has another partner.
     Refusable,
     /// The two sides do not agree; said once per disagreement.
@@ -23,6 +25,8 @@ pub(super) enum Heard {
 #[derive(Debug, Clone, Copy)]
 struct Refusal {
     disagreement: Disagreement,
+    /// Whether this side found it. What the partner says is not said back to it: both would go on for ever.
+    is_own: bool,
     since: LocalTime,
     count: u32,
 }
@@ -35,31 +39,19 @@ const ENOUGH: u32 = 10;
 pub(super) struct Greeter {
     session: u64,
     terms: Terms,
-    /// Whether the own device is ready: no partner is accepted before.
-    pub(super) is_ready: bool,
     /// The partner whose terms fit.
     partner: Option<u64>,
     /// Whether the partner has accepted this session.
     is_accepted: bool,
     /// Why the partner in sight does not fit.
     refused: Option<Refusal>,
-    /// A greeting wants an answer; at once, because something has changed.
-    owes: bool,
+    /// A greeting is due at once, because something has changed.
     urgent: bool,
 }
 
 impl Greeter {
     pub(super) fn new(session: u64, terms: Terms) -> Self {
-        Self {
-            session,
-            terms,
-            is_ready: false,
-            partner: None,
-            is_accepted: false,
-            refused: None,
-            owes: false,
-            urgent: false,
-        }
+        Self { session, terms, partner: None, is_accepted: false, refused: None, urgent: false }
     }
 
     /// What both sides must agree on.
@@ -72,13 +64,14 @@ impl Greeter {
         self.partner
     }
 
-    /// Both sides have accepted each other, and both devices are ready.
+    /// Both sides have accepted each other.
     pub(super) fn is_settled(&self) -> bool {
-        self.is_ready && self.partner.is_some() && self.is_accepted
+        self.partner.is_some() && self.is_accepted
     }
 
-    pub(super) fn owes_answer(&self) -> bool {
-        self.owes
+    /// Something has changed that the partner must know at once.
+    pub(super) fn hurry(&mut self) {
+        self.urgent = true;
     }
 
     pub(super) fn is_urgent(&self) -> bool {
@@ -90,22 +83,16 @@ impl Greeter {
         self.is_accepted = true;
     }
 
-    /// A packet of another session came: if no force acts, its sender is greeted, so that it may greet in turn.
-    pub(super) fn note_stranger(&mut self) {
-        self.owes = true;
-    }
-
     /// A greeting of another version came; true if that is news.
     pub(super) fn note_version(&mut self, now: LocalTime) -> bool {
-        self.owes = true;
-        self.refuse(now, Disagreement::Version)
+        self.refuse(now, Disagreement::Version, true)
     }
 
     /// True if the disagreement is news.
-    fn refuse(&mut self, now: LocalTime, disagreement: Disagreement) -> bool {
+    fn refuse(&mut self, now: LocalTime, disagreement: Disagreement, is_own: bool) -> bool {
         let before = self.refused;
         let (since, count) = before.map_or((now, 0), |refusal| (refusal.since, refusal.count));
-        self.refused = Some(Refusal { disagreement, since, count: count.saturating_add(1) });
+        self.refused = Some(Refusal { disagreement, is_own, since, count: count.saturating_add(1) });
         before.is_none_or(|refusal| refusal.disagreement != disagreement)
     }
 
@@ -115,15 +102,8 @@ impl Greeter {
         refusal.filter(|refusal| now - refusal.since >= patience).map(|refusal| refusal.disagreement)
     }
 
-    /// Takes a greeting. `is_greeting`: the session does not run yet; `is_idle`: no force acts because of the partner, so it
-    /// may be another one from now on.
-    pub(super) fn hear(
-        &mut self,
-        now: LocalTime,
-        greeting: &Greeting,
-        is_greeting: bool,
-        is_idle: bool,
-    ) -> Heard {
+    /// Takes a greeting. `is_idle`: no force acts because of the partner, so it may be another one from now on.
+    pub(super) fn hear(&mut self, now: LocalTime, greeting: &Greeting, is_idle: bool) -> Heard {
         if greeting.session == self.session {
             return Heard::Refusable;
         }
@@ -132,15 +112,15 @@ impl Greeter {
             let is_ours = is_known && greeting.accepted == self.session;
             return if is_ours { Heard::Left } else { Heard::Refusable };
         }
-        if let Some(disagreement) = self.terms.disagreement(&greeting.terms).or(greeting.refusal) {
+        let own = self.terms.disagreement(&greeting.terms);
+        if let Some(disagreement) = own.or(greeting.refusal) {
             if !is_idle {
                 return Heard::Refusable;
             }
-            if is_known && is_greeting {
+            if is_known {
                 (self.partner, self.is_accepted) = (None, false);
             }
-            self.owes = true;
-            return if self.refuse(now, disagreement) {
+            return if self.refuse(now, disagreement, own.is_some()) {
                 Heard::Disagreed(disagreement)
             } else {
                 Heard::Nothing
@@ -149,26 +129,26 @@ impl Greeter {
         if !is_known && !is_idle {
             return Heard::Refusable;
         }
-        self.owes = true;
         self.refused = None;
         self.is_accepted = greeting.accepted == self.session || (is_known && self.is_accepted);
         if is_known {
-            return Heard::Nothing;
+            return Heard::Partner;
         }
         self.partner = Some(greeting.session);
         self.urgent = true;
         Heard::Agreed(greeting.session)
     }
 
+    /// The partner is gone before anything has begun: another one may come.
+    pub(super) fn forget(&mut self) {
+        (self.partner, self.is_accepted) = (None, false);
+    }
+
     /// The greeting to send now.
-    pub(super) fn greeting(&mut self, purpose: Purpose) -> Greeting {
-        (self.owes, self.urgent) = (false, false);
-        Greeting {
-            purpose,
-            session: self.session,
-            accepted: self.partner.filter(|_| self.is_ready || purpose == Purpose::Goodbye).unwrap_or(0),
-            refusal: self.refused.map(|refusal| refusal.disagreement),
-            terms: self.terms,
-        }
+    pub(super) fn greeting(&mut self, purpose: Purpose, stance: Stance, stamps: Stamps) -> Greeting {
+        self.urgent = false;
+        let accepted = self.partner.unwrap_or(0);
+        let refusal = self.refused.filter(|refusal| refusal.is_own).map(|refusal| refusal.disagreement);
+        Greeting { refusal, stance, stamps, ..Greeting::new(purpose, self.session, accepted, self.terms) }
     }
 }

@@ -1,49 +1,64 @@
 //! One side of a live coupling: device, endpoint, transport and the state of the session.
 //!
-//! | state | force | how it goes on |
-//! |---|---|---|
-//! | greeting | 0 | both have agreed on the terms and both devices are ready: running |
-//! | running | that of the endpoint, which ramps in, holds and ramps out by itself | a stop, a goodbye: leaving; a fault: ended |
-//! | leaving | falls to 0 | ended |
-//! | ended | 0 | – |
+//! Both sides derive the state ([`Phase`]) from where each of them stands; see [`accord`] and `docs/connect.md`. A force acts
+//! in `ramping-in`, `running` and `ramping-out` only.
 //!
 //! A site reads no clock of its own and waits for nothing: [`Site::tick`] is called once per sample period with the clock
 //! to use, a real one or that of a test.
 
+mod accord;
+mod alignment;
 mod arrivals;
+mod coupling;
+mod fallback;
 mod force;
 mod greeter;
+mod limits;
 mod log;
 mod moment;
 mod notes;
+mod notices;
+mod orders;
+mod phase;
+mod round_trip;
 mod settings;
 
+pub use fallback::{Badness, Fallback};
+pub use limits::Limits;
 pub use log::{Happened, LOG_CAPACITY, Log};
-pub use moment::{Cause, Moment, Phase, Tally};
+pub use moment::{Moment, Tally};
 pub use notes::{Arrival, Forces, Latency, Newest};
-pub use settings::{Safety, SiteSettings};
+pub use notices::Limit;
+pub use phase::{Cause, Interruption, Phase};
+pub use settings::{Consent, Rules, Safety, SiteSettings};
 
 use std::os::fd::BorrowedFd;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use rtrb::Consumer;
 use telespring::InvalidInput;
-use telespring::session::{Endpoint, LocalTime, SessionReport, Span};
+use telespring::session::{Endpoint, LocalTime, Motion, SessionReport, Span, WatchdogState};
 
 use crate::clock::Clock;
 use crate::device::{Command, Device, Reading};
 use crate::hello::Purpose;
+use crate::operator::Order;
 use crate::transport::{Transport, TransportReport};
+use accord::Accord;
+use alignment::Alignment;
+use coupling::Coupling;
+use fallback::Watch;
 use force::ForceGate;
 use greeter::Greeter;
 use notes::Notes;
+use notices::Notices;
+use round_trip::RoundTrips;
 
 /// From one greeting to the next.
 const GREETING_INTERVAL: Span = Span(50_000_000);
 /// From one goodbye to the next.
 const GOODBYE_INTERVAL: Span = Span(10_000_000);
-/// A partner that refuses, or is refused, for this long ends the greeting.
-const PATIENCE: Span = Span(1_000_000_000);
 
 /// One side of a live coupling. After its construction it allocates nothing, takes no lock and does not panic.
 #[derive(Debug)]
@@ -51,16 +66,37 @@ pub struct Site<D, T> {
     device: D,
     transport: T,
     endpoint: Endpoint,
+    /// Whether the endpoint has a watchdog.
+    is_watched: bool,
     greeter: Greeter,
+    accord: Accord,
+    alignment: Alignment,
+    round_trips: RoundTrips,
     gate: ForceGate,
+    watch: Watch,
+    notices: Notices,
     safety: Safety,
+    limits: Limits,
+    rules: Rules,
     phase: Phase,
+    coupling: Coupling,
     /// Since when the session leaves, and why.
     left: Option<(LocalTime, Cause)>,
+    /// Since when the delay that is imposed is shorter than the network's own.
+    too_short_since: Option<LocalTime>,
     /// When the next greeting or goodbye is due.
     greet_at: LocalTime,
+    /// The latest own motion.
+    motion: Option<Motion>,
+    /// From the own handle to the partner's, m.
+    offset: Option<[f64; 2]>,
     /// The partner's latest packet that the endpoint took.
     heard: Option<LocalTime>,
+    /// Ticks that the strategy had limited before this one.
+    limited_ticks: u64,
+    /// Whether the emergency stop is pressed now.
+    is_pressed: bool,
+    orders: Option<Consumer<Order>>,
     log: Log,
     tally: Tally,
     notes: Notes,
@@ -69,14 +105,16 @@ pub struct Site<D, T> {
 }
 
 impl<D: Device, T: Transport> Site<D, T> {
-    /// A site at the beginning of its greeting.
+    /// A site at the beginning of its session.
     ///
     /// # Errors
     ///
     /// [`InvalidInput`] for a setting out of range.
     pub fn new(settings: SiteSettings, device: D, transport: T) -> Result<Self, InvalidInput> {
-        let SiteSettings { terms, endpoint, safety } = settings;
+        let SiteSettings { terms, endpoint, safety, limits, rules } = settings;
         safety.check()?;
+        limits.check()?;
+        rules.check()?;
         let session = endpoint.session;
         if session == 0 {
             return Err(InvalidInput::new(
@@ -86,18 +124,32 @@ impl<D: Device, T: Transport> Site<D, T> {
                 "Draw one with hello::draw_session().",
             ));
         }
-        let gate = ForceGate::new(safety.force, endpoint.computing_tick);
         Ok(Self {
             device,
             transport,
+            gate: ForceGate::new(&limits, endpoint.computing_tick),
+            is_watched: endpoint.watchdog.is_some(),
             endpoint: Endpoint::new(endpoint)?,
+            alignment: Alignment::new(rules.alignment, rules.rest, terms.side),
             greeter: Greeter::new(session, terms),
-            gate,
+            accord: Accord::default(),
+            round_trips: RoundTrips::default(),
+            watch: Watch::new(rules.fallback),
+            notices: Notices::default(),
             safety,
-            phase: Phase::Greeting,
+            limits,
+            rules,
+            phase: Phase::Connecting,
+            coupling: Coupling::Off,
             left: None,
+            too_short_since: None,
             greet_at: LocalTime(0),
+            motion: None,
+            offset: None,
             heard: None,
+            limited_ticks: 0,
+            is_pressed: false,
+            orders: None,
             log: Log::new(),
             tally: Tally::default(),
             notes: Notes::new(),
@@ -105,75 +157,76 @@ impl<D: Device, T: Transport> Site<D, T> {
         })
     }
 
+    /// Takes orders from this queue at every tick, beside those of the device.
+    pub fn obey(&mut self, orders: Consumer<Order>) {
+        self.orders = Some(orders);
+    }
+
     /// Measures, sends, receives and commands once; `stop` asks the session to end.
     pub fn tick(&mut self, clock: &impl Clock, stop: bool) -> Moment {
         let now = clock.now();
+        self.log.begin_tick();
         self.notes.begin();
-        let reading = match self.device.read(now) {
-            Ok(reading) => Some(reading),
-            Err(fault) => {
-                self.end(now, Cause::Device(fault));
-                None
-            }
-        };
-        if let Some(reading) = &reading {
-            self.judge(now, reading, stop);
+        let reading = self.read(now);
+        self.take_orders(now);
+        if stop {
+            self.leave(now, Cause::StopRequested);
         }
-        if let (Some(reading), true) = (&reading, self.phase.is_coupled()) {
-            self.measure(now, reading);
+        self.judge(now);
+        match &reading {
+            Some(reading) if self.coupling != Coupling::Off => self.measure(now, reading),
+            _ if self.coupling == Coupling::Off && !self.is_resting() => self.endpoint.handle_timeout(now),
+            _ => {}
         }
-        self.greet(now, reading.as_ref());
+        self.greet(now);
         self.receive(clock);
+        self.decide(now);
         let force = self.force(clock.now());
         let commanded = clock.now();
-        self.device.command(commanded, Command { force, is_running: self.phase.is_coupled() });
+        let is_over = self.phase == Phase::Ended;
+        self.device.command(commanded, Command { force, is_running: self.phase.is_coupled(), is_over });
         self.collect(now, commanded, reading.as_ref(), force)
     }
 
-    /// Judges whether the session may go on.
-    fn judge(&mut self, now: LocalTime, reading: &Reading, stop: bool) {
-        if self.phase == Phase::Ended {
-            return;
-        }
-        if reading.is_stopped {
-            self.end(now, Cause::EmergencyStop);
-        } else if !reading.is_ready && self.phase.is_coupled() {
-            self.end(now, Cause::DeviceNotReady);
-        } else if stop {
-            match self.phase {
-                Phase::Greeting => self.end(now, Cause::StopRequested),
-                _ => self.leave(now, Cause::StopRequested),
+    /// Whether the endpoint's force is zero. It must be before a coupling begins, so that the force begins from zero.
+    fn is_resting(&self) -> bool {
+        !self.is_watched || matches!(self.endpoint.state(), WatchdogState::Disengaged { .. })
+    }
+
+    /// Reads the device, and what it means for this side.
+    fn read(&mut self, now: LocalTime) -> Option<Reading> {
+        match self.device.read(now) {
+            Ok(reading) => {
+                self.is_pressed = reading.is_stopped;
+                if reading.is_stopped && !self.accord.own.is_stopped {
+                    self.accord.own.is_stopped = true;
+                    self.interrupt(now, Interruption::EmergencyStop);
+                    self.tell_stop(now, true);
+                }
+                let is_ready = reading.is_ready && !reading.is_stopped;
+                if self.accord.own.is_ready && !is_ready {
+                    self.interrupt(now, Interruption::DeviceNotReady);
+                }
+                self.accord.own.is_ready = is_ready;
+                self.motion = reading.motion.or(self.motion);
+                Some(reading)
             }
-        } else if self.phase == Phase::Greeting
-            && let Some(disagreement) = self.greeter.refused_for(now, PATIENCE)
-        {
-            self.end(now, Cause::Refused(disagreement));
-        }
-        if let (Phase::Leaving, Some((since, cause))) = (self.phase, self.left)
-            && now - since >= self.safety.ramp_out
-        {
-            self.end(now, cause);
-        }
-    }
-
-    /// Lets the force fall to zero, then ends.
-    fn leave(&mut self, now: LocalTime, cause: Cause) {
-        if self.phase == Phase::Running {
-            self.phase = Phase::Leaving;
-            self.left = Some((now, cause));
-            self.greet_at = now;
-            self.log.push(now, Happened::Leaving(cause));
+            Err(fault) => {
+                if fault.is_final() {
+                    self.end(now, Cause::Device(fault));
+                } else if self.accord.own.is_ready {
+                    self.interrupt(now, Interruption::Device(fault));
+                }
+                self.accord.own.is_ready = false;
+                self.motion = None;
+                None
+            }
         }
     }
 
-    /// Ends at once: the force is zero from now on.
-    fn end(&mut self, now: LocalTime, cause: Cause) {
-        if self.phase != Phase::Ended {
-            self.phase = Phase::Ended;
-            self.left = Some((now, cause));
-            self.greet_at = now;
-            self.log.push(now, Happened::Ended(cause));
-        }
+    fn tell_stop(&mut self, now: LocalTime, is_own: bool) {
+        self.tally.emergency_stops += 1;
+        self.log.push(now, Happened::EmergencyStop { is_own });
     }
 
     /// Gives the endpoint the own motion, and sends its packet.
@@ -195,36 +248,17 @@ impl<D: Device, T: Transport> Site<D, T> {
     }
 
     /// Sends the greetings that are due.
-    fn greet(&mut self, now: LocalTime, reading: Option<&Reading>) {
-        self.greeter.is_ready = reading.is_some_and(|reading| reading.is_ready && !reading.is_stopped);
-        let (purpose, interval) = match self.phase {
-            Phase::Greeting => (Purpose::Hello, GREETING_INTERVAL),
-            Phase::Running if self.greeter.owes_answer() => (Purpose::Hello, GREETING_INTERVAL),
-            Phase::Leaving | Phase::Ended => (Purpose::Goodbye, GOODBYE_INTERVAL),
-            Phase::Running => return,
+    fn greet(&mut self, now: LocalTime) {
+        let (purpose, interval) = match self.left {
+            Some(_) => (Purpose::Goodbye, GOODBYE_INTERVAL),
+            None => (Purpose::Hello, GREETING_INTERVAL),
         };
         if now >= self.greet_at || self.greeter.is_urgent() {
             self.greet_at = now + interval;
-            let greeting = self.greeter.greeting(purpose);
+            self.accord.own.phase = self.phase.code();
+            let greeting = self.greeter.greeting(purpose, self.accord.own, self.round_trips.stamps(now));
             self.transport.send(now, &greeting.encode());
         }
-    }
-
-    /// The force from now on.
-    fn force(&mut self, now: LocalTime) -> [f64; 2] {
-        let share = match (self.phase, self.left) {
-            (Phase::Running, _) => 1.0,
-            (Phase::Leaving, Some((since, _))) => {
-                1.0 - (now - since).0 as f64 / self.safety.ramp_out.0.max(1) as f64
-            }
-            _ => {
-                self.gate.close();
-                return [0.0; 2];
-            }
-        };
-        let wanted = self.endpoint.force(now);
-        (self.notes.asked, self.notes.forces.wanted) = (Some(now), Some(wanted));
-        self.gate.pass(wanted, share.clamp(0.0, 1.0))
     }
 
     /// What there is to say of this tick.
@@ -236,7 +270,10 @@ impl<D: Device, T: Transport> Site<D, T> {
         force: [f64; 2],
     ) -> Moment {
         while let Some(event) = self.endpoint.poll_event() {
-            self.log.push(event.time, Happened::Session(event.kind));
+            // while nothing is coupled the silence of both is no event
+            if self.coupling != Coupling::Off {
+                self.log.push(event.time, Happened::Session(event.kind));
+            }
         }
         while let Some(event) = self.transport.poll_path() {
             self.log.push(now, Happened::Path(event));
@@ -246,8 +283,11 @@ impl<D: Device, T: Transport> Site<D, T> {
             self.log.push(now, Happened::RecordingBroken);
         }
         let session = self.endpoint.snapshot();
-        let motion = reading.and_then(|reading| reading.motion);
-        let target = reading.and_then(|reading| reading.target);
+        let report = session.strategy;
+        let is_coupled = self.phase.is_coupled();
+        let is_limited = is_coupled && report.limited_ticks > self.limited_ticks;
+        self.limited_ticks = report.limited_ticks;
+        self.notices.take(now, [is_limited, self.gate.was_cut()], &mut self.log);
         let measured = reading.and_then(|reading| reading.acted);
         let device_delay = reading.and_then(|reading| self.notes.device_delay(now, reading));
         let moment = Moment {
@@ -256,8 +296,8 @@ impl<D: Device, T: Transport> Site<D, T> {
             commanded,
             phase: self.phase,
             state: self.endpoint.state(),
-            motion,
-            target,
+            motion: reading.and_then(|reading| reading.motion),
+            target: reading.and_then(|reading| reading.target),
             force,
             balance: session.strategy.balance,
             age: self.endpoint.partner_age(),
@@ -271,7 +311,13 @@ impl<D: Device, T: Transport> Site<D, T> {
             session,
             wanted_stiffness: self.greeter.terms().coupling[0],
             unnoted_arrivals: self.notes.unnoted,
+            offset: self.offset.filter(|_| !is_coupled),
+            consents: [self.accord.own.has_consented, self.accord.partner_consents()],
+            share: self.share(now),
+            is_cut: self.gate.was_cut(),
         };
+        self.tally.cut_ticks += u64::from(self.gate.was_cut());
+        self.tally.softened_ticks += u64::from(is_coupled && self.watch.share() < 1.0);
         self.notes.tick += 1;
         self.tally.count(&moment);
         moment

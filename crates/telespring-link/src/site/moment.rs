@@ -3,71 +3,9 @@
 use telespring::session::strategy::PartnerView;
 use telespring::session::{LocalTime, Motion, SessionSnapshot, Span, WatchdogState};
 
+use super::Phase;
 use super::notes::{Forces, Latency, Newest, transit};
-use crate::device::{Fault, Stamp};
-use crate::hello::Disagreement;
-
-/// The state of a live session.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Phase {
-    /// The two sides do not agree yet: no force.
-    Greeting,
-    /// The endpoint decides on the force.
-    Running,
-    /// The force falls to zero.
-    Leaving,
-    /// The session is over: no force.
-    Ended,
-}
-
-impl Phase {
-    /// The state in a word.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Greeting => "greeting",
-            Self::Running => "running",
-            Self::Leaving => "leaving",
-            Self::Ended => "ended",
-        }
-    }
-
-    /// Whether motions are sent and a force may act.
-    pub fn is_coupled(self) -> bool {
-        matches!(self, Self::Running | Self::Leaving)
-    }
-}
-
-/// Why a session leaves or has ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Cause {
-    /// The time is over, or the operator wants to stop.
-    StopRequested,
-    /// The partner said goodbye.
-    PartnerLeft,
-    /// The partner's terms are others.
-    Refused(Disagreement),
-    /// The device's emergency stop is pressed.
-    EmergencyStop,
-    /// The device's motors may not act any more, or it is not homed.
-    DeviceNotReady,
-    /// The device cannot go on.
-    Device(Fault),
-}
-
-impl Cause {
-    /// The cause in a word.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::StopRequested => "stop-requested",
-            Self::PartnerLeft => "partner-left",
-            Self::Refused(_) => "refused",
-            Self::EmergencyStop => "emergency-stop",
-            Self::DeviceNotReady => "device-not-ready",
-            Self::Device(fault) => fault.word(),
-        }
-    }
-}
+use crate::device::Stamp;
 
 /// One tick of a site.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -94,6 +32,14 @@ pub struct Moment {
     pub age: Option<f64>,
     /// When the partner's latest packet came.
     pub heard: Option<LocalTime>,
+    /// From the own handle to the partner's, m, as the greetings have it; `None` if it is not known, or while coupled.
+    pub offset: Option<[f64; 2]>,
+    /// Whether the person here consents, and the one there.
+    pub consents: [bool; 2],
+    /// The share of the force that acts: below 1 while it is softened or let down.
+    pub share: f64,
+    /// Whether the force was cut to its limit.
+    pub is_cut: bool,
     /// The device's stamp of its newest measurement.
     pub stamp: Option<Stamp>,
     /// How much longer than ever the motion took from the device to the tick, s.
@@ -154,10 +100,20 @@ pub struct Tally {
     pub full_ticks: u64,
     /// Greetings that were not for this session.
     pub strange_greetings: u64,
+    /// Greetings of the partner that came after a later one.
+    pub overtaken_greetings: u64,
     /// Packets of a session that was not agreed to.
     pub strange_packets: u64,
     /// Datagrams that came before the session ran.
     pub early_datagrams: u64,
+    /// Ticks at which the force was cut to its limit.
+    pub cut_ticks: u64,
+    /// Ticks at which the force was softened because of the network.
+    pub softened_ticks: u64,
+    /// How often a coupling was interrupted.
+    pub interruptions: u64,
+    /// How often an emergency stop latched, here or there.
+    pub emergency_stops: u64,
     /// The largest force commanded, N.
     pub largest_force: f64,
     /// The least energy in the account, J; `None` if the strategy keeps none.

@@ -121,7 +121,7 @@ mod tests {
         addresses.insert(0, absent);
         let choice = TelemetryChoice { addresses, every: 3 };
         let mut telemetry = Telemetry::new(&choice, &Terms::new(&Study::paper(), 1).unwrap()).unwrap();
-        telemetry.take(&Item::Event { time: LocalTime(0), happened: crate::site::Happened::Running });
+        telemetry.take(&Item::Event { time: LocalTime(0), happened: crate::site::Happened::Restored });
         telemetry.miss(5);
         for _ in 0..7 {
             let (lateness, duration) = (Span(0), Span(0));

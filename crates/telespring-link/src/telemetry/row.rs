@@ -53,12 +53,7 @@ pub const COLUMNS: [(&str, &str); 38] = [
 
 /// The number of a state of the session.
 pub fn phase_code(phase: Phase) -> f64 {
-    match phase {
-        Phase::Greeting => 0.0,
-        Phase::Running => 1.0,
-        Phase::Leaving => 2.0,
-        Phase::Ended => 3.0,
-    }
+    f64::from(phase.code())
 }
 
 /// The number of a state of the watchdog.
@@ -189,6 +184,10 @@ pub(super) mod tests {
             balance: Some(11.0),
             age: Some(12.0),
             heard: Some(LocalTime(2_000_000_000)),
+            offset: None,
+            consents: [true; 2],
+            share: 1.0,
+            is_cut: false,
         }
     }
 
@@ -219,8 +218,7 @@ pub(super) mod tests {
             "{VALUES} little-endian doubles (IEEE 754), 8 bytes each, {} bytes",
             8 * VALUES
         )));
-        let phases = [Phase::Greeting, Phase::Running, Phase::Leaving, Phase::Ended];
-        let phases: Vec<_> = phases.map(|phase| (phase_code(phase), phase.word())).into();
+        let phases: Vec<_> = Phase::ALL.map(|phase| (phase_code(phase), phase.word())).into();
         assert_eq!(codes(cells("4")[4]), phases);
         let cause = Cause::Silence;
         let states = [
@@ -243,7 +241,7 @@ pub(super) mod tests {
             ("sequence", 7.0),
             ("side", 2.0),
             ("time", 2.5),
-            ("phase", 1.0),
+            ("phase", 5.0),
             ("watchdog", 2.0),
             ("measured", 1.0),
             ("position x", 1.0),
@@ -286,7 +284,7 @@ pub(super) mod tests {
     #[test]
     fn law_what_is_not_known_is_no_number() {
         let moment = Moment {
-            phase: Phase::Greeting,
+            phase: Phase::Connecting,
             motion: None,
             target: None,
             balance: None,

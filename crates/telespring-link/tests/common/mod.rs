@@ -11,7 +11,11 @@ use telespring::session::{LocalTime, Motion, Span};
 use telespring::study::Study;
 use telespring_link::clock::Clock;
 use telespring_link::device::{Command, Device, Fault, Reading};
-use telespring_link::site::{Moment, Phase, Safety, Site, SiteSettings};
+use telespring_link::hello::MAGIC;
+use telespring_link::operator::Order;
+use telespring_link::site::{
+    Consent, Fallback, Happened, Limits, Moment, Phase, Rules, Safety, Site, SiteSettings,
+};
 use telespring_link::transport::{ROOM, Transport, TransportReport};
 
 pub const PERIOD: Span = Span(1_000_000);
@@ -39,6 +43,8 @@ impl Clock for VirtualClock {
 #[derive(Debug)]
 pub struct Wire {
     pub towards: [Box<dyn Channel>; 2],
+    /// The way of greetings: never within the tick, so that both sides hear alike, whichever ticks first.
+    greetings: [Box<dyn Channel>; 2],
     pub is_cut: [bool; 2],
     /// Datagrams of any length and content that arrive beside the partner's.
     pub injected: [Vec<Vec<u8>>; 2],
@@ -56,8 +62,10 @@ pub struct End {
 /// Both ends of an ideal wire with this delay.
 pub fn wire(travel: Span) -> [End; 2] {
     let towards = [0, 1].map(|side| NetworkModel::ideal().channel(travel, 1, side));
+    let greetings = [0, 1].map(|side| NetworkModel::ideal().channel(travel.max(PERIOD), 1, side));
     let injected = [Vec::new(), Vec::new()];
-    let wire = Rc::new(RefCell::new(Wire { towards, is_cut: [false; 2], injected, latest: [None; 2] }));
+    let wire = Wire { towards, greetings, is_cut: [false; 2], injected, latest: [None; 2] };
+    let wire = Rc::new(RefCell::new(wire));
     [0, 1].map(|side| End { side, wire: Rc::clone(&wire) })
 }
 
@@ -67,7 +75,9 @@ impl Transport for End {
         let datagram: [u8; LENGTH] = datagram.try_into().unwrap();
         wire.latest[there] = Some(datagram);
         if !wire.is_cut[there] {
-            wire.towards[there].send(now, datagram);
+            let is_greeting = datagram.starts_with(&MAGIC);
+            let ways = if is_greeting { &mut wire.greetings } else { &mut wire.towards };
+            ways[there].send(now, datagram);
         }
     }
 
@@ -78,7 +88,8 @@ impl Transport for End {
             room[..length].copy_from_slice(&datagram[..length]);
             return Some(length);
         }
-        let datagram = wire.towards[self.side].deliver(now)?;
+        let greeting = wire.greetings[self.side].deliver(now);
+        let datagram = greeting.or_else(|| wire.towards[self.side].deliver(now))?;
         room[..LENGTH].copy_from_slice(&datagram);
         Some(LENGTH)
     }
@@ -96,6 +107,8 @@ pub struct Script {
     pub is_measured: bool,
     pub is_ready: bool,
     pub is_stopped: bool,
+    /// An order given at the device.
+    pub order: Option<Order>,
     pub fault: Option<Fault>,
     /// The latest command.
     pub command: Command,
@@ -109,6 +122,7 @@ impl Default for Script {
             is_measured: true,
             is_ready: true,
             is_stopped: false,
+            order: None,
             fault: None,
             command: Command::default(),
         }
@@ -141,10 +155,31 @@ impl Device for Scripted {
     fn command(&mut self, _: LocalTime, command: Command) {
         self.change(|script| script.command = command);
     }
+
+    fn poll_order(&mut self) -> Option<Order> {
+        let order = self.0.get().order;
+        self.change(|script| script.order = None);
+        order
+    }
 }
 
-/// Two sites with scripted devices, 2 cm apart, in virtual time.
+/// Changes what a site is made of.
+type Adjust = Rc<dyn Fn(SiteSettings) -> SiteSettings>;
+
+/// Simulated people that are coupled wherever their handles are, and however bad the network is: for tests of the endpoint.
+pub fn anywhere(settings: SiteSettings) -> SiteSettings {
+    let long = Span(600_000_000_000);
+    let fallback = Fallback { softened: 1.0, patience: long, silence: long, ..Fallback::default() };
+    let rules =
+        Rules { consent: Consent::Automatic, alignment: 10.0, rest: 10.0, fallback, ..settings.rules };
+    SiteSettings { rules, limits: Limits { velocity: 100.0, ..settings.limits }, ..settings }
+}
+
+/// Two sites with scripted devices, 2 cm apart, in virtual time. People consent without an order unless a test says
+/// otherwise.
 pub struct Pair {
+    /// What each site is made of, on top of its study.
+    adjust: Adjust,
     pub clock: VirtualClock,
     pub ends: [End; 2],
     pub devices: [Scripted; 2],
@@ -156,41 +191,49 @@ pub struct Pair {
 impl Pair {
     /// Both sites of these studies.
     pub fn new(studies: [&Study; 2], delay: f64) -> Self {
-        Self::with(studies, delay, Safety::default())
+        Self::with(studies, delay, SiteSettings::simulated)
     }
 
-    /// Both sites of a study, with at most this force, N.
+    /// Both sites of a study, with at most this force, N, coupled wherever the handles are.
     pub fn limited(study: &Study, delay: f64, force: f64) -> Self {
-        Self::with([study, study], delay, Safety { force, ..Safety::default() })
+        Self::with([study, study], delay, move |settings| {
+            let settings = anywhere(settings);
+            SiteSettings { limits: Limits { force, ..settings.limits }, ..settings }
+        })
     }
 
-    fn with(studies: [&Study; 2], delay: f64, safety: Safety) -> Self {
+    /// As [`Pair::new`], of other settings.
+    pub fn with(
+        studies: [&Study; 2],
+        delay: f64,
+        adjust: impl Fn(SiteSettings) -> SiteSettings + 'static,
+    ) -> Self {
+        let adjust: Adjust = Rc::new(adjust);
         let ends = wire(Span::from_seconds(delay) - PERIOD);
         let devices = [Scripted::default(), Scripted::default()];
         devices[1].change(|script| script.position = [0.02, 0.0]);
         let sites = [0, 1]
-            .map(|side| Some(Self::site(studies[side], side, 11 + side as u64, safety, &devices, &ends)));
+            .map(|side| Some(Self::site(studies[side], side, 11 + side as u64, &adjust, &devices, &ends)));
         let clock = VirtualClock(Rc::new(Cell::new(5_000_000_000)));
-        Self { clock, ends, devices, sites, stop: [false; 2], moments: [None; 2] }
+        Self { adjust, clock, ends, devices, sites, stop: [false; 2], moments: [None; 2] }
     }
 
     fn site(
         study: &Study,
         side: usize,
         session: u64,
-        safety: Safety,
+        adjust: &Adjust,
         devices: &[Scripted; 2],
         ends: &[End; 2],
     ) -> Site<Scripted, End> {
         let number = u8::try_from(side).unwrap() + 1;
-        let settings = SiteSettings::new(study, number, session, safety).unwrap();
-        Site::new(settings, devices[side].clone(), ends[side].clone()).unwrap()
+        let settings = SiteSettings::new(study, number, session, Safety::default()).unwrap();
+        Site::new(adjust(settings), devices[side].clone(), ends[side].clone()).unwrap()
     }
 
     /// Starts the program of a side anew.
     pub fn restart(&mut self, study: &Study, side: usize, session: u64) {
-        self.sites[side] =
-            Some(Self::site(study, side, session, Safety::default(), &self.devices, &self.ends));
+        self.sites[side] = Some(Self::site(study, side, session, &self.adjust, &self.devices, &self.ends));
     }
 
     /// One tick of both.
@@ -222,6 +265,16 @@ impl Pair {
 
     pub fn site_of(&self, side: usize) -> &Site<Scripted, End> {
         self.sites[side].as_ref().unwrap()
+    }
+
+    /// Gives an order at a side, which takes it at its next tick.
+    pub fn order(&self, side: usize, order: Order) {
+        self.devices[side].change(|script| script.order = Some(order));
+    }
+
+    /// Whether something has happened at a side.
+    pub fn happened(&self, side: usize, wanted: &Happened) -> bool {
+        self.site_of(side).log().entries().iter().any(|(_, happened)| happened == wanted)
     }
 
     pub fn phases(&self) -> [Phase; 2] {

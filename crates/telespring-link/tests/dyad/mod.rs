@@ -13,7 +13,7 @@ use telespring_link::device::Simulated;
 use telespring_link::site::{Moment, Safety, Site, SiteSettings};
 use telespring_link::transport::{ROOM, Transport, TransportReport};
 
-use super::common::{End, PERIOD, VirtualClock, wire};
+use super::common::{End, PERIOD, VirtualClock, anywhere, wire};
 
 /// What a liar knows and says.
 pub struct Lie {
@@ -91,6 +91,7 @@ impl Dyad {
         let sites = [0, 1].map(|side| {
             let number = u8::try_from(side).unwrap() + 1;
             let settings = SiteSettings::new(study, number, 31 + side as u64, Safety::default()).unwrap();
+            let settings = anywhere(settings);
             let link = Twisted {
                 end: sides.next().unwrap(),
                 truth: truth.clone(),

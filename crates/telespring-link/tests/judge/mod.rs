@@ -3,7 +3,7 @@
 #![allow(dead_code, reason = "every test uses its part")]
 
 use telespring::session::{LocalTime, Span, WatchdogState};
-use telespring_link::site::{Moment, Phase, Safety};
+use telespring_link::site::{Limits, Moment, Phase, Safety};
 
 /// What a record is judged by: the limits of the site and the stiffness of its spring, N/m.
 #[derive(Debug, Clone, Copy)]
@@ -81,7 +81,7 @@ pub fn judge(moments: &[Moment], rules: &Rules) -> Findings {
     let mut silence: Option<LocalTime> = None;
     for moment in moments {
         let force = size(moment.force);
-        assert!(force.is_finite() && force <= safety.force + ROUNDING, "{force} N: {moment:?}");
+        assert!(force.is_finite() && force <= Limits::default().force + ROUNDING, "{force} N: {moment:?}");
         assert!(moment.phase.is_coupled() || force == 0.0, "a force without an agreement: {moment:?}");
         assert!(force <= payable(moment, *stiffness) + ROUNDING, "more than the account can pay: {moment:?}");
         findings.largest_force = findings.largest_force.max(force);
@@ -137,9 +137,9 @@ fn largest_step(moments: &[Moment], at: usize, rules: &Rules, speed: f64) -> f64
     let since = moments[..=at].iter().rev().take_while(|earlier| before.time - earlier.time <= RECENT);
     let recent = since.map(|earlier| size(earlier.force)).fold(0.0, f64::max);
     let slopes = [before, after].map(|moment| match (moment.phase, moment.state) {
-        (Phase::Leaving, _) => recent / safety.ramp_out.seconds() + recent / RAMP_OUT,
+        (Phase::RampingOut, _) => recent / safety.ramp_out.seconds() + recent / RAMP_OUT,
         (_, WatchdogState::RampingOut { .. } | WatchdogState::Disengaged { .. }) => recent / RAMP_OUT,
-        (_, WatchdogState::RampingIn) => safety.force / RAMP_IN,
+        (_, WatchdogState::RampingIn) => Limits::default().force / RAMP_IN,
         (_, WatchdogState::Engaged | WatchdogState::Holding { .. }) => 0.0,
     });
     let ramp = slopes.iter().fold(0.0_f64, |steepest, slope| steepest.max(*slope)) * elapsed;

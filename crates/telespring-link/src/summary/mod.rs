@@ -1,14 +1,18 @@
 //! What a session was, as JSON.
 
+mod events;
+
+pub use events::{Entry, event_words, watchdog_words};
+
 use serde::Serialize;
 use telespring::session::playout::PlayoutReport;
-use telespring::session::{LocalTime, SessionReport, Span, WatchdogState};
+use telespring::session::{SessionReport, Span};
 
 use crate::device::Device;
 use crate::real_time::{Lateness, Privileges};
 use crate::record::RecordingSummary;
-use crate::site::{Cause, Happened, Site, Tally};
-use crate::transport::{PathEvent, Transport, TransportReport};
+use crate::site::{Cause, Site, Tally};
+use crate::transport::{Transport, TransportReport};
 
 /// The version of the summary.
 pub const SCHEMA: u32 = 1;
@@ -44,6 +48,14 @@ pub struct Summary {
     pub limited_share: Option<f64>,
     /// The energy of the account.
     pub energy: Energy,
+    /// The share of the ticks at which the force was cut to its limit, and at which it was softened because of the network.
+    pub cut_share: f64,
+    /// See `cut_share`.
+    pub softened_share: f64,
+    /// How often the coupling was interrupted: by a pause, a stop, a device, the network or the partner.
+    pub interruptions: u64,
+    /// How often an emergency stop latched, here or there.
+    pub emergency_stops: u64,
     /// The largest force commanded.
     pub largest_force: f64,
     /// The mean distance to the target while the session ran (TE), if there is a target.
@@ -169,6 +181,8 @@ pub struct Refused {
     pub strange_packets: u64,
     /// Greetings that were not for this session.
     pub strange_greetings: u64,
+    /// Greetings of the partner that came after a later one.
+    pub overtaken_greetings: u64,
     /// Datagrams that came before the session ran.
     pub early: u64,
     /// Ticks at which more came than one tick looks at.
@@ -182,18 +196,6 @@ pub struct RealTime {
     pub priority: &'static str,
     /// As above.
     pub locked_memory: &'static str,
-}
-
-/// See [`Summary::events`].
-#[derive(Debug, Clone, Serialize)]
-pub struct Entry {
-    /// Since the first tick.
-    pub time: f64,
-    /// What happened.
-    pub event: &'static str,
-    /// Why, or with which value.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub cause: Option<String>,
 }
 
 impl Summary {
@@ -241,6 +243,10 @@ impl Summary {
                 sent: strategy.energy_sent,
                 received: strategy.energy_received,
             },
+            cut_share: share(tally.cut_ticks, tally.ticks),
+            softened_share: share(tally.softened_ticks, tally.ticks),
+            interruptions: tally.interruptions,
+            emergency_stops: tally.emergency_stops,
             largest_force: tally.largest_force,
             te: tally.tracking_error(),
             refused: refused(&report, tally),
@@ -252,7 +258,7 @@ impl Summary {
                 .log()
                 .entries()
                 .iter()
-                .map(|(time, happened)| entry(first, *time, happened))
+                .map(|(time, happened)| Entry::new(first, *time, happened))
                 .collect(),
             missed_events: site.log().missed() + report.missed_events,
             recording: None,
@@ -314,6 +320,7 @@ fn refused(report: &SessionReport, tally: &Tally) -> Refused {
         datagrams: report.refused,
         strange_packets: tally.strange_packets,
         strange_greetings: tally.strange_greetings,
+        overtaken_greetings: tally.overtaken_greetings,
         early: tally.early_datagrams,
         full_ticks: tally.full_ticks,
     }
@@ -325,44 +332,5 @@ fn granted(outcome: Option<bool>) -> &'static str {
         Some(true) => "granted",
         Some(false) => "refused",
         None => "not-asked",
-    }
-}
-
-/// An entry of the log.
-fn entry(first: LocalTime, time: LocalTime, happened: &Happened) -> Entry {
-    let (event, cause) = event_words(happened);
-    Entry { time: (time - first).seconds(), event, cause }
-}
-
-/// What happened in a word, and why or with which value.
-pub fn event_words(happened: &Happened) -> (&'static str, Option<String>) {
-    match happened {
-        Happened::Agreed { session } => ("agreed", Some(format!("{session:#018x}"))),
-        Happened::Disagreed(disagreement) => ("disagreed", Some(disagreement.word().to_owned())),
-        Happened::Running => ("running", None),
-        Happened::Leaving(cause) => ("leaving", Some(cause.word().to_owned())),
-        Happened::Ended(cause) => ("ended", Some(cause.word().to_owned())),
-        Happened::Path(event) => (event.word(), path_cause(*event)),
-        Happened::RecordingBroken => ("recording-broken", None),
-        Happened::Session(kind) => (kind.word(), kind.reason()),
-    }
-}
-
-/// The state of the watchdog in a word, and why.
-pub fn watchdog_words(state: WatchdogState) -> (&'static str, Option<&'static str>) {
-    match state {
-        WatchdogState::Disengaged { cause } => ("disengaged", Some(cause.word())),
-        WatchdogState::RampingIn => ("ramping-in", None),
-        WatchdogState::Engaged => ("engaged", None),
-        WatchdogState::Holding { cause } => ("holding", Some(cause.word())),
-        WatchdogState::RampingOut { cause } => ("ramping-out", Some(cause.word())),
-    }
-}
-
-/// How much of the stream is sent from now on, if that is what a path event says.
-fn path_cause(event: PathEvent) -> Option<String> {
-    match event {
-        PathEvent::Rate { every } => Some(format!("one packet of {every}")),
-        _ => None,
     }
 }

@@ -1,0 +1,131 @@
+//! Orders from lines of text: a thread reads them and hands them to the loops through queues without locks.
+
+use std::io::BufRead;
+use std::thread::{Builder, JoinHandle};
+
+use rtrb::{Consumer, Producer, RingBuffer};
+
+use super::Order;
+
+/// Orders that wait for a loop.
+const CAPACITY: usize = 64;
+/// The longest line that is looked at, in bytes; a longer one is no order.
+const LONGEST: usize = 256;
+
+/// Reads orders from `lines`, one per line, on a thread of its own, until they end. One queue for each of `N` sides: a line
+/// may begin with the number of the side that it is for, from 1; without a number it is for all. Nothing waits for the
+/// thread; it ends with the program.
+///
+/// # Errors
+///
+/// That of the operating system if it gives no thread.
+pub fn listen<const N: usize>(
+    lines: impl BufRead + Send + 'static,
+) -> std::io::Result<(JoinHandle<()>, [Consumer<Order>; N])> {
+    let mut producers = Vec::with_capacity(N);
+    let consumers = [(); N].map(|()| {
+        let (producer, consumer) = RingBuffer::new(CAPACITY);
+        producers.push(producer);
+        consumer
+    });
+    let thread = Builder::new().name("console".to_owned()).spawn(move || read(lines, &mut producers))?;
+    Ok((thread, consumers))
+}
+
+/// Reads lines until they end.
+fn read(mut lines: impl BufRead, sides: &mut [Producer<Order>]) {
+    let mut line = Vec::with_capacity(LONGEST);
+    loop {
+        line.clear();
+        match take_line(&mut lines, &mut line) {
+            Ok(true) => {}
+            Ok(false) | Err(_) => return,
+        }
+        let text = if line.len() < LONGEST { std::str::from_utf8(&line).unwrap_or("?") } else { "?" };
+        if text.trim().is_empty() {
+            continue;
+        }
+        let (only, order) = addressed(text.trim(), sides.len());
+        for (side, queue) in (1..).zip(sides.iter_mut()) {
+            if only.is_none_or(|only| only == side) {
+                // a loop that takes no orders for this long has ended
+                let _ = queue.push(order);
+            }
+        }
+    }
+}
+
+/// Takes the next line, and keeps its first bytes only; false at the end.
+fn take_line(lines: &mut impl BufRead, line: &mut Vec<u8>) -> std::io::Result<bool> {
+    let mut has_any = false;
+    loop {
+        let piece = match lines.fill_buf() {
+            Ok(piece) => piece,
+            Err(error) if error.kind() == std::io::ErrorKind::Interrupted => continue,
+            Err(error) => return Err(error),
+        };
+        if piece.is_empty() {
+            return Ok(has_any);
+        }
+        has_any = true;
+        let end = piece.iter().position(|byte| *byte == b'\n');
+        let length = end.unwrap_or(piece.len());
+        let room = LONGEST.saturating_sub(line.len()).min(length);
+        line.extend_from_slice(piece.get(..room).unwrap_or_default());
+        let taken = end.map_or(length, |end| end + 1);
+        lines.consume(taken);
+        if end.is_some() {
+            return Ok(true);
+        }
+    }
+}
+
+/// The side that a line is for, if it names one of `sides`, and its order.
+fn addressed(line: &str, sides: usize) -> (Option<usize>, Order) {
+    let named = line.split_once(char::is_whitespace).and_then(|(first, rest)| {
+        let side = first.parse().ok().filter(|side| (1..=sides).contains(side))?;
+        Some((side, rest))
+    });
+    match named {
+        Some((side, rest)) if sides > 1 => (Some(side), Order::parse(rest)),
+        _ => (None, Order::parse(line)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::operator::MarkKind;
+
+    fn orders<const N: usize>(text: &[u8]) -> [Vec<Order>; N] {
+        let (thread, consumers) = listen::<N>(std::io::Cursor::new(text.to_vec())).unwrap();
+        thread.join().unwrap();
+        consumers.map(|mut consumer| std::iter::from_fn(|| consumer.pop().ok()).collect())
+    }
+
+    #[test]
+    fn law_a_line_speaks_to_the_side_that_it_names_or_to_all() {
+        let [first, second] = orders(b"1 consent\n\n2 pause\r\nstop\n3 clear\n2 mark trial 2\nresume");
+        assert_eq!(first, [Order::Consent, Order::Stop, Order::Unknown, Order::Resume]);
+        let [pause, stop, unknown, Order::Mark(mark), resume] = second[..] else { panic!("{second:?}") };
+        assert_eq!(
+            [pause, stop, unknown, resume],
+            [Order::Pause, Order::Stop, Order::Unknown, Order::Resume]
+        );
+        assert_eq!((mark.kind, mark.label.text()), (MarkKind::Trial, "2"));
+        // a single site has no numbers
+        let [only] = orders(b"1 consent\nconsent\n");
+        assert_eq!(only, [Order::Unknown, Order::Consent]);
+    }
+
+    #[test]
+    fn law_a_line_without_an_end_takes_no_memory_and_is_no_order() {
+        let mut text = vec![b'x'; 1 << 20];
+        text.extend_from_slice(b"\n\xff\xfe\nconsent\n");
+        let [only] = orders(&text);
+        assert_eq!(only, [Order::Unknown, Order::Unknown, Order::Consent]);
+        // more than the queue holds
+        let [many] = orders("pause\n".repeat(1000).as_bytes());
+        assert_eq!(many.len(), CAPACITY);
+    }
+}

@@ -1,0 +1,118 @@
+//! What happened, in words: the same in the summary, on the console and in a record.
+
+use serde::Serialize;
+use telespring::session::{LocalTime, WatchdogState};
+
+use crate::site::Happened;
+use crate::transport::PathEvent;
+
+/// Something that happened.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Entry {
+    /// When, s since the first tick.
+    pub time: f64,
+    /// What.
+    pub event: &'static str,
+    /// Why, or what exactly.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cause: Option<String>,
+    /// The numbers of it; `docs/connect.md` says which.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub values: Option<[f64; 2]>,
+}
+
+impl Entry {
+    /// What happened at `time`, counted from `first`.
+    pub fn new(first: LocalTime, time: LocalTime, happened: &Happened) -> Self {
+        let (event, cause) = event_words(happened);
+        let values = match *happened {
+            Happened::Offset(way) => Some(way),
+            Happened::DelayTooShort { imposed, measured } => Some([imposed, measured]),
+            _ => None,
+        };
+        Self { time: (time - first).seconds(), event, cause, values }
+    }
+}
+
+/// What happened in a word, and why or with which value.
+pub fn event_words(happened: &Happened) -> (&'static str, Option<String>) {
+    let because = |word: &str| Some(word.to_owned());
+    match happened {
+        Happened::Agreed { session } => ("agreed", Some(format!("{session:#018x}"))),
+        Happened::Disagreed(disagreement) => ("disagreed", because(disagreement.word())),
+        Happened::Entered(phase) => ("phase", because(phase.word())),
+        Happened::Offset(way) => ("offset", Some(way_in_words(*way))),
+        Happened::Consented => ("consented", None),
+        Happened::ConsentLost => ("consent-lost", None),
+        Happened::PartnerConsented => ("partner-consented", None),
+        Happened::Interrupted(interruption) => ("interrupted", because(interruption.word())),
+        Happened::EmergencyStop { is_own } => {
+            ("emergency-stop", because(if *is_own { "here" } else { "partner" }))
+        }
+        Happened::Cleared => ("cleared", None),
+        Happened::Resumed => ("resumed", None),
+        Happened::OrderRefused { order, phase } => {
+            ("order-refused", Some(format!("{} while {}", order.word(), phase.word())))
+        }
+        Happened::Mark(mark) => ("mark", Some(format!("{} {}", mark.kind.word(), mark.label.text()))),
+        Happened::Limiting(limit) => ("limiting", because(limit.word())),
+        Happened::Unlimited(limit) => ("limiting-over", because(limit.word())),
+        Happened::Softened(badness) => ("softened", because(badness.word())),
+        Happened::Restored => ("restored", None),
+        Happened::NetworkPause(badness) => ("network-pause", because(badness.word())),
+        Happened::DelayTooShort { imposed, measured } => {
+            let text =
+                format!("{:.1} ms are imposed, the network takes {:.1} ms", 1e3 * imposed, 1e3 * measured);
+            ("delay-too-short", Some(text))
+        }
+        Happened::Leaving(cause) => ("leaving", because(cause.word())),
+        Happened::Ended(cause) => ("ended", because(cause.word())),
+        Happened::Path(event) => (event.word(), path_cause(*event)),
+        Happened::RecordingBroken => ("recording-broken", None),
+        Happened::Session(kind) => (kind.word(), kind.reason()),
+    }
+}
+
+/// The way that robot 2 has to go, in words.
+fn way_in_words(way: [f64; 2]) -> String {
+    let parts: Vec<String> = ["x", "y"]
+        .into_iter()
+        .zip(way.map(|value| (1e3 * value).round()))
+        .filter(|(_, millimetres)| *millimetres != 0.0)
+        .map(|(axis, millimetres)| format!("{millimetres:.0} mm in {axis}"))
+        .collect();
+    format!("move the handle of site 2 by {}", parts.join(" and "))
+}
+
+/// How much of the stream is sent from now on, if that is what a path event says.
+fn path_cause(event: PathEvent) -> Option<String> {
+    match event {
+        PathEvent::Rate { every } => Some(format!("one packet of {every}")),
+        _ => None,
+    }
+}
+
+/// The state of the watchdog in a word, and why.
+pub fn watchdog_words(state: WatchdogState) -> (&'static str, Option<&'static str>) {
+    match state {
+        WatchdogState::Disengaged { cause } => ("disengaged", Some(cause.word())),
+        WatchdogState::RampingIn => ("ramping-in", None),
+        WatchdogState::Engaged => ("engaged", None),
+        WatchdogState::Holding { cause } => ("holding", Some(cause.word())),
+        WatchdogState::RampingOut { cause } => ("ramping-out", Some(cause.word())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn law_an_offset_says_who_has_to_move_how_far_and_where() {
+        let entry = Entry::new(LocalTime(0), LocalTime(1_500_000_000), &Happened::Offset([-0.0342, 0.005]));
+        assert_eq!((entry.time, entry.event, entry.values), (1.5, "offset", Some([-0.0342, 0.005])));
+        assert_eq!(entry.cause.as_deref(), Some("move the handle of site 2 by -34 mm in x and 5 mm in y"));
+        let entry = Entry::new(LocalTime(0), LocalTime(0), &Happened::Offset([0.0, 0.021]));
+        assert_eq!(entry.cause.as_deref(), Some("move the handle of site 2 by 21 mm in y"));
+    }
+}

@@ -1,0 +1,494 @@
+//! The states of a session in virtual time: who may be coupled when, what interrupts it, and that no force steps.
+
+mod common;
+
+use common::{Pair, hman_study};
+use telespring::session::{Span, WatchdogState};
+use telespring::study::Study;
+use telespring_link::device::Fault;
+use telespring_link::operator::{Mark, MarkKind, Order};
+use telespring_link::site::{Happened, Interruption, Limit, Limits, Phase, Rules, SiteSettings};
+
+const GUARD: &str = "coupling.stiffness = 100\nnetwork.delay = 0.02\nsession.strategy = \"guard\"";
+/// The force of the spring between two handles 2 cm apart, N.
+const FORCE: f64 = 2.0;
+
+fn study() -> Study {
+    hman_study(GUARD)
+}
+
+/// A pair of people who consent by order, up to the consent.
+fn consenting() -> Pair {
+    let mut pair = Pair::with([&study(), &study()], 0.02, |settings| settings);
+    pair.run(500, |_, forces| assert_eq!(forces, [[0.0; 2]; 2]));
+    assert_eq!(pair.phases(), [Phase::Consenting; 2]);
+    pair
+}
+
+/// Runs, and sees to it that no force steps: it changes by no more than the steepest ramps do, unless it is let go.
+fn run_smoothly(pair: &mut Pair, milliseconds: usize, may_let_go: bool) {
+    let mut before = pair.forces();
+    pair.run(milliseconds, |_, forces| {
+        for side in 0..2 {
+            let step = (forces[side][0] - before[side][0]).abs();
+            let is_let_go = may_let_go && forces[side] == [0.0; 2];
+            assert!(is_let_go || step <= FORCE / 100.0 + FORCE / 78.0 + 1e-9, "{side}: {step} N");
+        }
+        before = forces;
+    });
+}
+
+fn consent(pair: &mut Pair) {
+    for side in 0..2 {
+        pair.order(side, Order::Consent);
+    }
+    run_smoothly(pair, 1200, false);
+    assert_eq!(pair.phases(), [Phase::Running; 2]);
+    let [[first, _], [second, _]] = pair.forces();
+    assert!((first - FORCE).abs() < 1e-9 && (second + FORCE).abs() < 1e-9, "{first} {second}");
+}
+
+fn running() -> Pair {
+    let mut pair = consenting();
+    consent(&mut pair);
+    pair
+}
+
+#[test]
+fn law_a_force_needs_the_consent_of_both() {
+    let mut pair = consenting();
+    pair.run(3000, |_, forces| assert_eq!(forces, [[0.0; 2]; 2]));
+    pair.order(0, Order::Consent);
+    pair.run(3000, |pair, forces| {
+        assert_eq!(forces, [[0.0; 2]; 2]);
+        assert_eq!(pair.phases(), [Phase::Consenting; 2]);
+    });
+    assert_eq!(pair.moment(0).consents, [true, false]);
+    assert_eq!(pair.moment(1).consents, [false, true]);
+    pair.order(1, Order::Consent);
+    run_smoothly(&mut pair, 1200, false);
+    assert_eq!(pair.phases(), [Phase::Running; 2]);
+    // a second consent is none
+    pair.order(0, Order::Consent);
+    pair.tick();
+    assert!(pair.happened(0, &Happened::OrderRefused { order: Order::Consent, phase: Phase::Running }));
+}
+
+#[test]
+fn law_a_consent_taken_back_lets_both_forces_fall_and_both_are_asked_anew() {
+    for is_early in [true, false] {
+        let mut pair = if is_early { consenting() } else { running() };
+        if is_early {
+            pair.order(0, Order::Consent);
+            pair.run(100, |_, _| {});
+        }
+        pair.order(0, Order::Withdraw);
+        run_smoothly(&mut pair, 500, false);
+        assert_eq!(pair.forces(), [[0.0; 2]; 2]);
+        assert_eq!(pair.phases(), [Phase::Consenting; 2]);
+        assert!(pair.happened(0, &Happened::ConsentLost));
+        // one is not enough, whichever
+        for side in [1, 0] {
+            assert_eq!(pair.forces(), [[0.0; 2]; 2]);
+            pair.order(side, Order::Consent);
+            run_smoothly(&mut pair, 1200, false);
+        }
+        assert_eq!(pair.phases(), [Phase::Running; 2]);
+    }
+}
+
+#[test]
+fn law_whoever_withdraws_an_automatic_consent_is_asked_from_then_on() {
+    let mut pair = Pair::new([&study(), &study()], 0.02);
+    pair.run(1500, |_, _| {});
+    pair.order(1, Order::Withdraw);
+    run_smoothly(&mut pair, 3000, false);
+    assert_eq!(pair.phases(), [Phase::Consenting; 2]);
+    pair.order(1, Order::Consent);
+    run_smoothly(&mut pair, 1200, false);
+    assert_eq!(pair.phases(), [Phase::Running; 2]);
+}
+
+#[test]
+fn law_no_coupling_begins_across_an_offset_and_both_are_told_where_to_go() {
+    let mut pair = Pair::new([&study(), &study()], 0.02);
+    pair.devices[1].change(|script| script.position = [0.034, -0.06]);
+    pair.run(3000, |_, forces| assert_eq!(forces, [[0.0; 2]; 2]));
+    assert_eq!(pair.phases(), [Phase::Aligning; 2]);
+    for side in 0..2 {
+        let sign = if side == 0 { 1.0 } else { -1.0 };
+        let [x, y] = pair.moment(side).offset.unwrap();
+        assert!((x - sign * 0.034).abs() < 1e-8 && (y + sign * 0.06).abs() < 1e-8, "{x} {y}");
+        let told: Vec<[f64; 2]> = pair
+            .site_of(side)
+            .log()
+            .entries()
+            .iter()
+            .filter_map(|(_, happened)| match happened {
+                Happened::Offset(way) => Some(*way),
+                _ => None,
+            })
+            .collect();
+        // said once while nothing changes, and the same at both sites
+        let [[x, y]] = told[..] else { panic!("{told:?}") };
+        assert!((x + 0.034).abs() < 1e-8 && (y - 0.06).abs() < 1e-8, "{told:?}");
+    }
+    // in place, but moving
+    pair.devices[1].change(|script| (script.position, script.velocity) = ([0.005, 0.0], [0.0, 0.06]));
+    pair.run(500, |_, forces| assert_eq!(forces, [[0.0; 2]; 2]));
+    assert_eq!(pair.phases(), [Phase::Aligning; 2]);
+    pair.devices[1].change(|script| script.velocity = [0.0; 2]);
+    run_smoothly(&mut pair, 1200, false);
+    assert_eq!(pair.phases(), [Phase::Running; 2]);
+}
+
+#[test]
+fn law_whoever_moves_away_before_the_force_begins_must_align_and_consent_anew() {
+    let mut pair = consenting();
+    pair.order(0, Order::Consent);
+    pair.run(100, |_, _| {});
+    // a little is forgiven
+    pair.devices[1].change(|script| script.position = [0.029, 0.0]);
+    pair.run(200, |_, _| {});
+    assert_eq!(pair.phases(), [Phase::Consenting; 2]);
+    pair.devices[1].change(|script| script.position = [0.031, 0.0]);
+    pair.run(200, |_, _| {});
+    assert_eq!(pair.phases(), [Phase::Aligning; 2]);
+    assert!(pair.happened(0, &Happened::ConsentLost));
+    pair.order(1, Order::Consent);
+    pair.run(10, |_, _| {});
+    assert!(pair.happened(1, &Happened::OrderRefused { order: Order::Consent, phase: Phase::Aligning }));
+    pair.devices[1].change(|script| script.position = [0.02, 0.0]);
+    pair.run(500, |_, forces| assert_eq!(forces, [[0.0; 2]; 2]));
+    assert_eq!(pair.phases(), [Phase::Consenting; 2]);
+    consent(&mut pair);
+}
+
+#[test]
+fn law_a_pause_of_either_side_is_one_of_both_and_ends_by_its_own_order_and_two_consents() {
+    for side in 0..2 {
+        let mut pair = running();
+        pair.order(side, Order::Pause);
+        run_smoothly(&mut pair, 400, false);
+        assert_eq!((pair.phases(), pair.forces()), ([Phase::Paused; 2], [[0.0; 2]; 2]));
+        assert!(pair.happened(side, &Happened::Interrupted(Interruption::PauseOrdered)));
+        assert!(pair.happened(1 - side, &Happened::Interrupted(Interruption::Partner)));
+        // neither a consent nor the other side ends it
+        for order in [Order::Consent, Order::Resume] {
+            pair.order(1 - side, order);
+            pair.run(1000, |_, forces| assert_eq!(forces, [[0.0; 2]; 2]));
+            assert!(pair.happened(1 - side, &Happened::OrderRefused { order, phase: Phase::Paused }));
+        }
+        // somebody moves meanwhile
+        pair.devices[0].change(|script| script.position = [0.5, 0.0]);
+        pair.order(side, Order::Resume);
+        pair.run(500, |_, _| {});
+        assert_eq!(pair.phases(), [Phase::Aligning; 2]);
+        pair.devices[0].change(|script| script.position = [0.0; 2]);
+        pair.run(500, |_, forces| assert_eq!(forces, [[0.0; 2]; 2]));
+        assert_eq!(pair.phases(), [Phase::Consenting; 2]);
+        consent(&mut pair);
+        for site in 0..2 {
+            assert_eq!(pair.site_of(site).tally().interruptions, 1);
+            assert!(pair.site_of(site).tally().least_balance.unwrap() >= 0.0);
+        }
+    }
+}
+
+#[test]
+fn law_an_emergency_stop_latches_on_both_sides_until_it_is_released_and_cleared() {
+    let mut pair = running();
+    pair.devices[1].change(|script| script.is_stopped = true);
+    pair.tick();
+    assert_eq!(pair.forces()[1], [0.0; 2]);
+    run_smoothly(&mut pair, 500, true);
+    assert_eq!((pair.phases(), pair.forces()), ([Phase::Stopped; 2], [[0.0; 2]; 2]));
+    assert!(pair.happened(1, &Happened::EmergencyStop { is_own: true }));
+    assert!(pair.happened(0, &Happened::EmergencyStop { is_own: false }));
+    let refused = |phase| Happened::OrderRefused { order: Order::Clear, phase };
+    // pressed: it cannot be cleared; and not from the other side
+    for side in [1, 0] {
+        pair.order(side, Order::Clear);
+        pair.run(500, |pair, _| assert_eq!(pair.phases(), [Phase::Stopped; 2]));
+        assert!(pair.happened(side, &refused(Phase::Stopped)));
+    }
+    // released: it stays latched
+    pair.devices[1].change(|script| script.is_stopped = false);
+    pair.run(2000, |pair, _| assert_eq!(pair.phases(), [Phase::Stopped; 2]));
+    pair.order(1, Order::Clear);
+    pair.run(500, |_, forces| assert_eq!(forces, [[0.0; 2]; 2]));
+    assert_eq!(pair.phases(), [Phase::Consenting; 2]);
+    consent(&mut pair);
+    assert_eq!(pair.site_of(0).tally().emergency_stops, 1);
+}
+
+#[test]
+fn law_a_device_that_comes_back_is_asked_for_consent_and_no_program_is_started_anew() {
+    for is_silent in [true, false] {
+        let mut pair = running();
+        pair.devices[0].change(|script| {
+            script.fault = is_silent.then_some(Fault::Silent);
+            script.is_ready = is_silent;
+        });
+        pair.tick();
+        assert_eq!(pair.forces()[0], [0.0; 2]);
+        run_smoothly(&mut pair, 3000, true);
+        assert_eq!(pair.phases(), [Phase::Homing; 2]);
+        pair.devices[0].change(|script| (script.fault, script.is_ready) = (None, true));
+        pair.run(500, |_, forces| assert_eq!(forces, [[0.0; 2]; 2]));
+        assert_eq!(pair.phases(), [Phase::Consenting; 2]);
+        consent(&mut pair);
+    }
+}
+
+#[test]
+fn law_a_partner_that_starts_anew_needs_new_consents() {
+    let mut pair = running();
+    pair.restart(&study(), 1, 77);
+    run_smoothly(&mut pair, 2000, true);
+    assert_eq!((pair.phases(), pair.forces()), ([Phase::Consenting; 2], [[0.0; 2]; 2]));
+    pair.order(1, Order::Consent);
+    pair.run(2000, |_, forces| assert_eq!(forces, [[0.0; 2]; 2]));
+    pair.order(0, Order::Consent);
+    run_smoothly(&mut pair, 1200, false);
+    assert_eq!(pair.phases(), [Phase::Running; 2]);
+}
+
+#[test]
+fn law_a_partner_that_falls_silent_takes_its_consent_along() {
+    let mut pair = consenting();
+    pair.order(1, Order::Consent);
+    pair.run(200, |_, _| {});
+    assert_eq!(pair.moment(0).consents, [false, true]);
+    pair.ends[0].wire.borrow_mut().is_cut = [true; 2];
+    pair.run(1200, |_, _| {});
+    assert_eq!(pair.phases(), [Phase::Connecting; 2]);
+    pair.order(0, Order::Consent);
+    pair.run(1200, |_, forces| assert_eq!(forces, [[0.0; 2]; 2]));
+    pair.ends[0].wire.borrow_mut().is_cut = [false; 2];
+    pair.run(500, |_, forces| assert_eq!(forces, [[0.0; 2]; 2]));
+    assert_eq!(pair.phases(), [Phase::Consenting; 2]);
+    assert_eq!(pair.moment(0).consents, [false; 2]);
+}
+
+#[test]
+fn law_a_long_silence_pauses_and_a_short_one_does_not() {
+    for (silence, phase) in [(1900, Phase::Running), (2200, Phase::Paused)] {
+        let mut pair = Pair::new([&study(), &study()], 0.02);
+        pair.run(1500, |_, _| {});
+        pair.ends[0].wire.borrow_mut().is_cut = [true; 2];
+        run_smoothly(&mut pair, silence, false);
+        assert_eq!(pair.forces(), [[0.0; 2]; 2]);
+        pair.ends[0].wire.borrow_mut().is_cut = [false; 2];
+        // a pause because of the network never ends by itself
+        run_smoothly(&mut pair, 8000, false);
+        assert_eq!(pair.phases(), [phase; 2]);
+        if phase == Phase::Paused {
+            for side in 0..2 {
+                assert!(pair.happened(side, &Happened::Interrupted(Interruption::Network)));
+                pair.order(side, Order::Resume);
+            }
+            run_smoothly(&mut pair, 1500, false);
+            assert_eq!(pair.phases(), [Phase::Running; 2]);
+        }
+    }
+}
+
+#[test]
+fn law_a_bad_network_softens_then_pauses_and_a_good_one_restores() {
+    for is_long in [false, true] {
+        let mut pair = Pair::new([&study(), &study()], 0.02);
+        pair.run(3000, |_, _| {});
+        let mut random = 1_u64;
+        let mut lose = |pair: &Pair| {
+            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            pair.ends[0].wire.borrow_mut().is_cut[0] = (random >> 33) % 100 < 30;
+        };
+        let mut least = f64::INFINITY;
+        let mut before = FORCE;
+        for _ in 0..if is_long { 6000 } else { 2500 } {
+            lose(&pair);
+            pair.tick();
+            let force = pair.forces()[0][0];
+            assert!((force - before).abs() <= FORCE / 50.0, "{before} {force}");
+            least = least.min(force);
+            before = force;
+        }
+        pair.ends[0].wire.borrow_mut().is_cut[0] = false;
+        let softened = |happened: &Happened| matches!(happened, Happened::Softened(_));
+        let log = pair.site_of(0).log().entries();
+        assert_eq!(log.iter().filter(|(_, happened)| softened(happened)).count(), 1, "{log:?}");
+        run_smoothly(&mut pair, 6000, false);
+        assert!(pair.site_of(0).tally().softened_ticks > 1000);
+        assert!(pair.site_of(0).tally().least_balance.unwrap() >= 0.0);
+        // the partner hears well
+        assert!(!pair.site_of(1).log().entries().iter().any(|(_, happened)| softened(happened)));
+        if is_long {
+            assert_eq!(pair.phases(), [Phase::Paused; 2]);
+            assert_eq!(least, 0.0);
+        } else {
+            assert_eq!(pair.phases(), [Phase::Running; 2]);
+            assert!((0.4..0.6).contains(&(least / FORCE)), "{least}");
+            assert!(pair.happened(0, &Happened::Restored));
+            assert!((pair.forces()[0][0] - FORCE).abs() < 1e-9);
+        }
+    }
+}
+
+#[test]
+fn law_a_handle_that_is_too_fast_or_outside_is_let_go_along_the_ramp() {
+    for cause in [Interruption::Velocity, Interruption::Workspace] {
+        let mut pair = Pair::with([&study(), &study()], 0.02, |settings| {
+            let workspace = [[-0.1, 0.1], [f64::NEG_INFINITY, f64::INFINITY]];
+            SiteSettings { limits: Limits { workspace, ..settings.limits }, ..settings.simulated() }
+        });
+        pair.run(1500, |_, _| {});
+        assert_eq!(pair.phases(), [Phase::Running; 2]);
+        pair.devices[1].change(|script| match cause {
+            Interruption::Velocity => script.velocity = [0.0, -2.01],
+            _ => script.position = [0.101, 0.0],
+        });
+        pair.run(1, |_, _| {});
+        let mut before = pair.forces()[1][0];
+        assert!(before < 0.0);
+        pair.run(400, |_, forces| {
+            assert!((before..=0.0).contains(&forces[1][0]), "{before} {forces:?}");
+            before = forces[1][0];
+        });
+        assert_eq!((pair.phases(), pair.forces()), ([Phase::Paused; 2], [[0.0; 2]; 2]));
+        assert!(pair.happened(1, &Happened::Interrupted(cause)));
+        // outside nothing begins
+        pair.order(1, Order::Resume);
+        pair.devices[0].change(|script| script.position = pair.devices[1].0.get().position);
+        pair.run(2000, |_, forces| assert_eq!(forces, [[0.0; 2]; 2]));
+        assert_eq!(pair.phases(), [Phase::Aligning; 2]);
+    }
+}
+
+#[test]
+fn law_scale_and_lock_take_their_part_of_the_force_and_the_account_knows() {
+    let mut pair = Pair::with([&study(), &study()], 0.02, |settings| {
+        let limits = Limits { scale: 0.5, lock: [false, true], ..settings.limits };
+        SiteSettings { limits, ..settings.simulated() }
+    });
+    pair.devices[1].change(|script| script.position = [0.012, 0.01]);
+    pair.run(1500, |_, _| {});
+    let [[x, y], _] = pair.forces();
+    assert!((x - 0.6).abs() < 1e-7 && y == 0.0, "{x} {y}");
+    let given = |pair: &Pair| pair.site_of(0).session_report().strategy.given_out;
+    let before = given(&pair);
+    let mut expected = 0.0;
+    for step in 1..=200 {
+        let way = f64::from(step) * 1e-5;
+        expected += pair.forces()[0][0] * 1e-5;
+        pair.devices[0].change(|script| script.position = [way, -way]);
+        pair.tick();
+    }
+    assert!((given(&pair) - before - expected).abs() < 1e-12, "{} {expected}", given(&pair) - before);
+    assert!(expected > 1e-4);
+}
+
+#[test]
+fn law_what_limits_the_force_is_told_when_it_begins_and_when_it_is_over() {
+    let mut pair = Pair::limited(&study(), 0.02, 1.0);
+    pair.run(2000, |_, _| {});
+    let told = |pair: &Pair, wanted: Happened| {
+        pair.site_of(0).log().entries().iter().filter(|(_, happened)| *happened == wanted).count()
+    };
+    assert_eq!(told(&pair, Happened::Limiting(Limit::Force)), 1);
+    // on and off at every tick: one time
+    for step in 0..2000 {
+        pair.devices[0].change(|script| script.position[0] = if step % 2 == 0 { 0.019 } else { 0.0 });
+        pair.tick();
+    }
+    assert_eq!(told(&pair, Happened::Limiting(Limit::Force)), 1);
+    pair.devices[0].change(|script| script.position[0] = 0.019);
+    pair.run(2500, |_, _| {});
+    assert_eq!(told(&pair, Happened::Unlimited(Limit::Force)), 1);
+    assert!(pair.site_of(0).tally().cut_ticks > 1000);
+}
+
+#[test]
+fn law_markers_are_events_at_any_time() {
+    let mut pair = consenting();
+    let mark = Mark::new(MarkKind::Participant, "P-07").unwrap();
+    for phase in 0..2 {
+        pair.order(phase, Order::Mark(mark));
+        pair.tick();
+        assert!(pair.happened(phase, &Happened::Mark(mark)));
+        pair.order(phase, Order::Unknown);
+        pair.tick();
+        let refused = Happened::OrderRefused { order: Order::Unknown, phase: Phase::Consenting };
+        assert!(pair.happened(phase, &refused));
+    }
+    pair.order(0, Order::Stop);
+    pair.run(200, |_, _| {});
+    assert_eq!(pair.site_of(0).phase(), Phase::Ended);
+}
+
+#[test]
+fn law_an_imposed_delay_is_the_age_realised_and_one_below_the_network_is_refused() {
+    let imposed = |delay: f64| {
+        hman_study(&format!(
+            "coupling.stiffness = 100\nnetwork.delay = 0.02\n\
+             session = {{strategy = \"guard\", playout = {{kind = \"fixed\", delay = {delay}}}}}"
+        ))
+    };
+    let study = imposed(0.08);
+    let mut pair = Pair::new([&study, &study], 0.02);
+    pair.run(3000, |_, _| {});
+    assert_eq!(pair.phases(), [Phase::Running; 2]);
+    pair.run(500, |pair, _| {
+        // the clock of the partner is known to half of the round trip
+        let age = pair.moment(0).age.unwrap();
+        assert!((age - 0.08).abs() <= 0.001, "{age}");
+    });
+    // slower than imposed
+    let study = imposed(0.03);
+    let mut pair = Pair::new([&study, &study], 0.05);
+    pair.run(4000, |_, forces| assert_eq!(forces, [[0.0; 2]; 2]));
+    assert_eq!(pair.phases(), [Phase::Ended; 2]);
+    let told = pair.site_of(0).log().entries().iter().find_map(|(_, happened)| match happened {
+        Happened::DelayTooShort { imposed, measured } => Some((*imposed, *measured)),
+        _ => None,
+    });
+    let (imposed, measured) = told.unwrap();
+    assert!(imposed == 0.03 && (measured - 0.049).abs() <= 0.002, "{imposed} {measured}");
+}
+
+#[test]
+fn law_rules_and_limits_out_of_range_are_refused_with_the_field() {
+    let usual = Rules::default();
+    assert!(usual.check().is_ok() && Limits::default().check().is_ok());
+    for (rules, field) in [
+        (Rules { alignment: f64::NAN, ..usual }, "session.alignment"),
+        (Rules { rest: 0.0, ..usual }, "session.rest"),
+    ] {
+        assert_eq!(rules.check().unwrap_err().field, field);
+    }
+    let robot = Limits { force: 5.0, workspace: [[-0.1, 0.1]; 2], lock: [true, false], ..Limits::default() };
+    let person = Limits { force: 8.0, velocity: 0.5, workspace: [[0.0, 0.3]; 2], ..Limits::NONE };
+    let both = robot.and(person);
+    assert_eq!((both.force, both.velocity, both.lock), (5.0, 0.5, [true, false]));
+    assert_eq!(both.workspace, [[0.0, 0.1]; 2]);
+    let apart = Limits { workspace: [[0.2, 0.3]; 2], ..robot };
+    assert_eq!(robot.and(apart).check().unwrap_err().field, "limits.workspace");
+}
+
+#[test]
+fn law_the_watchdog_and_the_phase_agree() {
+    let mut pair = consenting();
+    for side in 0..2 {
+        pair.order(side, Order::Consent);
+    }
+    let mut seen = Vec::new();
+    pair.run(1500, |pair, _| {
+        let moment = pair.moment(0);
+        if seen.last() != Some(&moment.phase) {
+            seen.push(moment.phase);
+        }
+        assert_eq!(moment.phase == Phase::Running, moment.state == WatchdogState::Engaged, "{moment:?}");
+    });
+    assert_eq!(seen, [Phase::Consenting, Phase::RampingIn, Phase::Running]);
+    let _ = Span(0);
+}
