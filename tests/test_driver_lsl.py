@@ -210,7 +210,7 @@ def test_cross_an_inlet_of_pylsl_reads_the_stream(tmp_path: Path) -> None:
             while listening.is_alive():
                 sequence += 1.0
                 # after the inlets have opened, an event
-                phase = 1.0 if len(said) == 2 else 0.0
+                phase = float(PHASES.index("running")) if len(said) == 2 else 0.0
                 now = time.monotonic()
                 sent[sequence] = now
                 values = row(sequence, time=now, phase=phase, position_x=sequence, balance=0.25)

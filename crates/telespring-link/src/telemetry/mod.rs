@@ -124,12 +124,8 @@ mod tests {
         telemetry.take(&Item::Event { time: LocalTime(0), happened: crate::site::Happened::Restored });
         telemetry.miss(5);
         for _ in 0..7 {
-            telemetry.take(&Item::Tick {
-                moment: moment(),
-                lateness: Span(0),
-                duration: Span(0),
-                overruns: 0,
-            });
+            let (lateness, duration) = (Span(0), Span(0));
+            telemetry.take(&Item::Tick { moment: moment(), lateness, duration, overruns: 0 });
         }
         for listener in listeners {
             listener.set_read_timeout(Some(std::time::Duration::from_secs(5))).unwrap();
