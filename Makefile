@@ -44,16 +44,25 @@ link: link-toolchain ## build the live program, target/release/telespring-link (
 
 # One file without any library of the system, for a machine that has no Rust.
 HOST := $(shell rustc -vV 2>/dev/null | sed -n 's/^host: //p')
-link-static: toolchain ## build the live program as one static file, in target/HOST/release
+link-static: link-toolchain ## build the live program as one static file, in target/HOST/release
 	RUSTFLAGS='-C target-feature=+crt-static' cargo build --release --locked -p telespring-link --target $(HOST)
 	@echo target/$(HOST)/release/telespring-link
 
 # Real-time tests: they share the machine with nobody who can help it.
-test-link: toolchain ## test the live program
+test-link: link-toolchain ## test the live program
 	cargo test --profile link-test --locked -p telespring-link
 
-bench-link: toolchain ## compare the live program with raw UDP and cyclictest (needs root and rt-tests)
+bench-link: link-toolchain ## compare the live program with raw UDP and cyclictest (needs root and rt-tests)
 	cargo bench --locked -p telespring-link --bench link
+
+# A workspace of its own, for its many dependencies; its tests need no ROS 2.
+ros2: link-toolchain ## build the bridge to ROS 2, drivers/ros2/target/release/telespring-ros2
+	cargo build --release --locked --manifest-path drivers/ros2/Cargo.toml
+
+test-ros2: link-toolchain ## lint and test the bridge to ROS 2
+	cargo fmt --manifest-path drivers/ros2/Cargo.toml --check
+	cargo clippy --all-targets --locked --manifest-path drivers/ros2/Cargo.toml -- -D warnings
+	cargo test --locked --manifest-path drivers/ros2/Cargo.toml
 
 lint: $(STAMPS)/test ## check formatting, warnings, types and imports between rooms
 	cargo fmt --all --check
