@@ -53,7 +53,10 @@ fn study() -> Study {
 
 fn settings(study: &Study, side: u8) -> SiteSettings {
     let settings = SiteSettings::new(study, side, 20 + u64::from(side), Safety::default()).unwrap();
-    SiteSettings { limits: telespring_link::site::Limits { force: 4.0, ..settings.limits }, ..settings.simulated() }
+    SiteSettings {
+        limits: telespring_link::site::Limits { force: 4.0, ..settings.limits },
+        ..settings.simulated()
+    }
 }
 
 fn recorder(writer: impl Write + Send + 'static, side: u8) -> (Recorder, Recording, Facts) {

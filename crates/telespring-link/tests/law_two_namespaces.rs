@@ -14,6 +14,7 @@ use serde_json::Value;
 use telespring::session::LocalTime;
 use telespring_link::hello::{Greeting, Purpose, Terms, draw_session};
 use telespring_link::keys::{SiteId, SiteKey};
+use telespring_link::site::Limits;
 use telespring_link::transport::{Iroh, Transport};
 
 /// 20 ms ± 3 ms, 2 % of loss each way.
