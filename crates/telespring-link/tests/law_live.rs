@@ -40,6 +40,7 @@ fn tick(number: u64) -> Item {
         stamp: None,
         device_delay: None,
         is_measured: false,
+        is_timed: false,
         forces: Forces::default(),
         asked: None,
         newest: None,

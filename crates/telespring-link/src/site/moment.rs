@@ -46,6 +46,8 @@ pub struct Moment {
     pub device_delay: Option<f64>,
     /// Whether the endpoint was given the motion, and the target if there is one.
     pub is_measured: bool,
+    /// Whether the endpoint was told the time alone, with no motion: its force falls to zero after a coupling.
+    pub is_timed: bool,
     /// The forces beside the commanded one.
     pub forces: Forces,
     /// When the endpoint was asked for its force; `None` if it was not.
