@@ -201,10 +201,11 @@ def test_law_typed_lines_are_orders(fake: Callable[..., Any]) -> None:
 def test_law_ctrl_c_ends_the_session_in_order_and_once(fake: Callable[..., Any], tmp_path: Path) -> None:
     note = tmp_path / "note"
     fake(seconds=60.0, note=str(note))
-    process = as_process("--site", "a.toml")
+    process = as_process("--site", "a.toml", start_new_session=True)
     assert process.stdout is not None
     process.stdout.readline()  # it runs
-    process.send_signal(signal.SIGINT)
+    # as a terminal does: to all of the group
+    os.killpg(process.pid, signal.SIGINT)
     out, _ = process.communicate(timeout=60)
     assert process.returncode == 0
     assert note.read_text() == "stop-requested 1\n"
