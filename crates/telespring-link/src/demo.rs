@@ -82,6 +82,13 @@ pub struct DemoSummary {
     pub sites: [Summary; 2],
 }
 
+/// What one side has of its own.
+struct Side {
+    number: u8,
+    link: Udp,
+    orders: Option<Consumer<Order>>,
+}
+
 /// Why a demonstration did not take place.
 #[derive(Debug, thiserror::Error)]
 pub enum DemoError {
@@ -149,10 +156,10 @@ impl Demo {
             let mut sides = (1_u8..).zip(links.into_iter().zip(orders));
             [(); 2]
                 .map(|()| {
-                    sides.next().map(|(side, (link, orders))| {
-                        let name = format!("site {side}");
+                    sides.next().map(|(number, (link, orders))| {
+                        let name = format!("site {number}");
                         std::thread::Builder::new().name(name).spawn_scoped(scope, move || {
-                            self.run_side(study, side, link, (server, console), orders, stop)
+                            self.run_side(study, Side { number, link, orders }, server, console, stop)
                         })
                     })
                 })
@@ -168,10 +175,9 @@ impl Demo {
     fn run_side(
         &self,
         study: &Study,
-        side: u8,
-        link: Udp,
-        (server, console): (Option<&Arc<LiveServer>>, Option<&Output>),
-        orders: Option<Consumer<Order>>,
+        Side { number: side, link, orders }: Side,
+        server: Option<&Arc<LiveServer>>,
+        console: Option<&Output>,
         stop: &AtomicBool,
     ) -> Result<Summary, DemoError> {
         let laboratory = study.laboratory()?;
@@ -186,7 +192,7 @@ impl Demo {
         let limits = Limits { duration: Some(Span::from_seconds(self.seconds + after)) };
         let facts = Facts::new(study, &settings).with("device", "simulated").with("network", "emulated");
         let folder = self.record.as_ref().map(|folder| ("--record", folder));
-        let console = console.map(|output| Console::new(output.clone(), &settings.terms));
+        let console = console.map(|output| Console::new(output.clone(), side));
         let observers = console.into_iter().map(|console| Box::new(console) as Box<dyn Observer>).collect();
         let plan = Plan { real_time: self.real_time, limits, observers, orders, ..Plan::default() };
         let plan = plan.watched(&facts, folder, server)?;

@@ -39,7 +39,7 @@ fn on_time(_: u64) -> (Span, u64) {
 fn law_a_status_comes_ten_times_per_second_and_speaks_of_the_last_second() {
     let study = hman_study(GUARD);
     let mut pair = Pair::new([&study; 2], 0.02);
-    let mut gauge = Gauge::new(1, 142.0);
+    let mut gauge = Gauge::new(1);
     let told = statuses(
         &mut pair,
         &mut gauge,
@@ -75,7 +75,7 @@ fn law_a_status_comes_ten_times_per_second_and_speaks_of_the_last_second() {
 fn law_what_holds_the_force_back_is_named() {
     let study = hman_study(GUARD);
     let mut pair = Pair::limited(&study, 0.02, 0.5);
-    let mut gauge = Gauge::new(1, 142.0);
+    let mut gauge = Gauge::new(1);
     let told = statuses(&mut pair, &mut gauge, 3000, |_, _| {}, on_time);
     let last = told.last().unwrap();
     // 2 cm at 142 N/m
@@ -100,7 +100,7 @@ fn law_what_holds_the_force_back_is_named() {
 fn law_a_strategy_that_limits_is_named() {
     let study = hman_study(GUARD);
     let mut pair = Pair::new([&study; 2], 0.02);
-    let mut gauge = Gauge::new(1, 142.0);
+    let mut gauge = Gauge::new(1);
     // far beyond what the account pays
     pair.devices[1].change(|script| script.position = [0.2, 0.0]);
     let told = statuses(&mut pair, &mut gauge, 3000, |_, _| {}, on_time);

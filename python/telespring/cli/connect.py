@@ -223,10 +223,9 @@ def _watch_plainly(
             continue
         for event in session.since(before):
             _print_line(console, event_line(event, is_alone=len(session.sides) < 2))
-        now = time.monotonic()
         for side in session.sides.values():
-            if side.status and now - told.get(side.number, -_LINE_INTERVAL) >= _LINE_INTERVAL:
-                told[side.number] = now
+            if side.told - told.get(side.number, -_LINE_INTERVAL) >= _LINE_INTERVAL:
+                told[side.number] = side.told
                 _print_line(console, status_line(side))
         sys.stdout.flush()
 

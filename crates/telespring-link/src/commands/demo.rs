@@ -38,16 +38,16 @@ pub struct Demo {
     /// A delay that is imposed on the partner's motion, s; it must not be below that of the path
     #[arg(long, allow_negative_numbers = true)]
     imposed_delay: Option<f64>,
+    /// Prints status, events and summary as JSON, one object per line, and takes orders from standard input, one per line, for both sides or, after 1 or 2, for one: consent, withdraw, pause,
+    /// resume, stop, clear, mark KIND TEXT
+    #[arg(long)]
+    console: bool,
     /// The folder for the recordings of both sides
     #[arg(long, value_name = "FOLDER")]
     record: Option<PathBuf>,
     /// An address of this machine for Foxglove or Lichtblick
     #[arg(long, value_name = "ADDRESS")]
     live: Option<SocketAddr>,
-    /// Prints status and events as JSON, one object per line, while it runs, and takes orders, one per line, from the input, whose
-    /// end ends the session
-    #[arg(long)]
-    console: bool,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]

@@ -113,15 +113,19 @@ fn stop_on_signal() -> Arc<AtomicBool> {
     stop
 }
 
-/// The orders from standard input, for each of `N` sides. If a program writes them, `stop` is set when they end: whoever
+/// The orders from standard input, for each of `N` sides. The end of an input that a program writes sets `stop`: whoever
 /// watched the session is gone then.
 fn orders<const N: usize>(stop: &Arc<AtomicBool>) -> Result<[Consumer<Order>; N], Failure> {
-    let input = std::io::stdin();
-    let is_watched = is_written_by_program(&input);
-    let stop = Arc::clone(stop);
-    let (_, orders) = operator::listen(std::io::BufReader::new(input), move || {
-        stop.fetch_or(is_watched, Ordering::Relaxed);
-    })?;
+    let (listener, orders) = operator::listen(std::io::BufReader::new(std::io::stdin()))?;
+    if is_written_by_program(&std::io::stdin()) {
+        let stop = Arc::clone(stop);
+        let wait = move || {
+            // whether it ended or broke off, nobody is heard any more
+            let _ = listener.join();
+            stop.store(true, Ordering::Relaxed);
+        };
+        std::thread::Builder::new().name("input".to_owned()).spawn(wait)?;
+    }
     Ok(orders)
 }
 

@@ -24,16 +24,15 @@ pub struct Run {
     /// How long the session takes at most, s
     #[arg(long, allow_negative_numbers = true)]
     seconds: Option<f64>,
+    /// Prints status, events and summary as JSON, one object per line, and takes orders from standard input, one per line: consent, withdraw, pause, resume, stop, clear, mark KIND TEXT
+    #[arg(long)]
+    console: bool,
     /// The folder for a recording
     #[arg(long, value_name = "FOLDER")]
     record: Option<PathBuf>,
     /// An address of this machine for Foxglove or Lichtblick
     #[arg(long, value_name = "ADDRESS")]
     live: Option<SocketAddr>,
-    /// Prints status and events as JSON, one object per line, while it runs, and takes orders, one per line, from the input, whose
-    /// end ends the session
-    #[arg(long)]
-    console: bool,
 }
 
 impl Run {
@@ -64,7 +63,7 @@ impl Run {
         };
         let console = self.console.then(Output::stdout).transpose()?;
         if let Some(output) = &console {
-            observers.push(Box::new(Console::new(output.clone(), &settings.terms)));
+            observers.push(Box::new(Console::new(output.clone(), file.side)));
         }
         let plan = Plan {
             real_time: file.real_time,

@@ -11,7 +11,6 @@ use std::time::Duration;
 use serde::Serialize;
 
 use crate::feed::{Item, Observer};
-use crate::hello::Terms;
 use crate::summary::Entry;
 
 /// How long an event waits for a reader that stalls; a status does not.
@@ -34,10 +33,9 @@ struct Event<'a> {
 }
 
 impl Console {
-    /// The console of the side with these terms.
-    pub fn new(output: Output, terms: &Terms) -> Self {
-        let [stiffness, _] = terms.coupling;
-        Self { output, side: terms.side, gauge: Gauge::new(terms.side, stiffness) }
+    /// The console of side 1 or 2.
+    pub fn new(output: Output, side: u8) -> Self {
+        Self { output, side, gauge: Gauge::new(side) }
     }
 }
 
@@ -54,8 +52,7 @@ impl Observer for Console {
                 }
             }
             Item::Event { time, happened } => {
-                let time_since_start = self.gauge.since_start(*time);
-                let entry = Entry { time: time_since_start, ..Entry::new(*time, *time, happened) };
+                let entry = Entry::new(self.gauge.first().unwrap_or(*time), *time, happened);
                 self.output.write("event", &Event { side: self.side, entry: &entry }, PATIENCE);
             }
             _ => {}

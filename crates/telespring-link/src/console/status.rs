@@ -56,6 +56,8 @@ pub struct Status {
     pub te: Option<f64>,
     /// How far the handles are apart while they are aligned.
     pub offset: Option<f64>,
+    /// Whether the person here consents, and the one there.
+    pub consents: [bool; 2],
 }
 
 /// See [`Status::lateness`].
@@ -101,7 +103,6 @@ struct Tick {
 #[derive(Debug)]
 pub struct Gauge {
     side: u8,
-    stiffness: f64,
     first: Option<LocalTime>,
     /// When the next status is due.
     due: LocalTime,
@@ -110,28 +111,30 @@ pub struct Gauge {
     told: Option<Tick>,
     /// Whether the force was cut since the status before.
     is_cut: bool,
+    /// Whether it was softened.
+    is_softened: bool,
     /// Sum of the distances to the target, m, and their number.
     distance: (f64, u64),
 }
 
 impl Gauge {
-    /// A gauge for a side whose spring has this stiffness, N/m.
-    pub fn new(side: u8, stiffness: f64) -> Self {
+    /// A gauge for side 1 or 2.
+    pub fn new(side: u8) -> Self {
         Self {
             side,
-            stiffness,
             first: None,
             due: LocalTime(0),
             window: VecDeque::new(),
             told: None,
             is_cut: false,
+            is_softened: false,
             distance: (0.0, 0),
         }
     }
 
-    /// Since the first tick, s.
-    pub fn since_start(&self, time: LocalTime) -> f64 {
-        self.first.map_or(0.0, |first| (time - first).seconds())
+    /// The first tick.
+    pub fn first(&self) -> Option<LocalTime> {
+        self.first
     }
 
     /// Takes a tick that began `lateness` after it was due, after `overruns` ticks that were left out; a status if one is
@@ -146,7 +149,8 @@ impl Gauge {
             self.window.pop_front();
         }
         self.window.push_back(tick);
-        self.is_cut |= is_cut(moment);
+        self.is_cut |= moment.is_cut;
+        self.is_softened |= moment.phase == Phase::Running && moment.share < 1.0;
         if let Some(distance) = moment.distance() {
             self.distance = (self.distance.0 + distance, self.distance.1 + 1);
         }
@@ -155,7 +159,7 @@ impl Gauge {
         }
         self.due = now + INTERVAL;
         let status = self.status(moment, lateness);
-        (self.told, self.is_cut) = (Some(tick), false);
+        (self.told, self.is_cut, self.is_softened) = (Some(tick), false, false);
         Some(status)
     }
 
@@ -171,7 +175,7 @@ impl Gauge {
         let share = |part: u64, whole: u64| (whole > 0).then(|| part as f64 / whole as f64);
         Status {
             side: self.side,
-            time: self.since_start(moment.time),
+            time: self.first.map_or(0.0, |first| (moment.time - first).seconds()),
             phase: moment.phase.word(),
             watchdog,
             watchdog_cause,
@@ -187,13 +191,14 @@ impl Gauge {
                 playout: latency.playout,
             },
             force: x.hypot(y),
-            stiffness: self.stiffness,
+            stiffness: moment.wanted_stiffness,
             stiffness_in_use: stiffness_in_use(moment),
             limited_share: share(limited, ticks),
             limits: self.limits(newest.as_ref()),
             balance: moment.balance,
             te: (count > 0).then(|| sum / count as f64),
-            offset: None,
+            offset: moment.offset.filter(|_| moment.phase == Phase::Aligning).map(|[x, y]| x.hypot(y)),
+            consents: moment.consents,
         }
     }
 
@@ -203,6 +208,7 @@ impl Gauge {
         [
             ("strategy", since(|tick| tick.limited_ticks)),
             ("force", self.is_cut),
+            ("softened", self.is_softened),
             ("held", since(|tick| tick.held_ticks)),
         ]
         .into_iter()
@@ -240,17 +246,10 @@ impl Tick {
 /// The stiffness that acts after a tick, N/m.
 fn stiffness_in_use(moment: &Moment) -> f64 {
     if moment.used_partner().is_some() {
-        moment.session.outgoing.stiffness * moment.session.enabled
+        moment.session.outgoing.stiffness * moment.session.enabled * moment.share
     } else {
         0.0
     }
-}
-
-/// Whether the force of a running session was cut at its limit.
-fn is_cut(moment: &Moment) -> bool {
-    let size = |[x, y]: [f64; 2]| x.hypot(y);
-    let wanted = moment.forces.wanted.map_or(0.0, size);
-    moment.phase == Phase::Running && wanted > size(moment.force) * (1.0 + 1e-9)
 }
 
 /// By how much a count has grown; a loss that came after all makes it smaller.

@@ -13,15 +13,14 @@ const CAPACITY: usize = 64;
 const LONGEST: usize = 256;
 
 /// Reads orders from `lines`, one per line, on a thread of its own, until they end. One queue for each of `N` sides: a line
-/// may begin with the number of the side that it is for, from 1; without a number it is for all. `end` is done when they have
-/// ended. Nothing waits for the thread; it ends with the program.
+/// may begin with the number of the side that it is for, from 1; without a number it is for all. Nothing waits for the
+/// thread; it ends with the program.
 ///
 /// # Errors
 ///
 /// That of the operating system if it gives no thread.
 pub fn listen<const N: usize>(
     lines: impl BufRead + Send + 'static,
-    end: impl FnOnce() + Send + 'static,
 ) -> std::io::Result<(JoinHandle<()>, [Consumer<Order>; N])> {
     let mut producers = Vec::with_capacity(N);
     let consumers = [(); N].map(|()| {
@@ -29,10 +28,7 @@ pub fn listen<const N: usize>(
         producers.push(producer);
         consumer
     });
-    let thread = Builder::new().name("console".to_owned()).spawn(move || {
-        read(lines, &mut producers);
-        end();
-    })?;
+    let thread = Builder::new().name("console".to_owned()).spawn(move || read(lines, &mut producers))?;
     Ok((thread, consumers))
 }
 
@@ -102,7 +98,7 @@ mod tests {
     use crate::operator::MarkKind;
 
     fn orders<const N: usize>(text: &[u8]) -> [Vec<Order>; N] {
-        let (thread, consumers) = listen::<N>(std::io::Cursor::new(text.to_vec()), || {}).unwrap();
+        let (thread, consumers) = listen::<N>(std::io::Cursor::new(text.to_vec())).unwrap();
         thread.join().unwrap();
         consumers.map(|mut consumer| std::iter::from_fn(|| consumer.pop().ok()).collect())
     }

@@ -38,6 +38,8 @@ pub struct Moment {
     pub consents: [bool; 2],
     /// The share of the force that acts: below 1 while it is softened or let down.
     pub share: f64,
+    /// Whether the force was cut to its limit.
+    pub is_cut: bool,
     /// The device's stamp of its newest measurement.
     pub stamp: Option<Stamp>,
     /// How much longer than ever the motion took from the device to the tick, s.
