@@ -334,7 +334,9 @@ def test_law_a_merged_file_is_both_files(files: tuple[Path, Path], tmp_path: Pat
 
 
 def test_cross_a_merged_file_is_what_another_reader_expects(files: tuple[Path, Path], tmp_path: Path) -> None:
+    import zstandard
     from mcap.reader import make_reader
+    from mcap.records import Chunk, MessageIndex
     from mcap.stream_reader import StreamReader
 
     out = tmp_path / "session.mcap"
@@ -365,10 +367,20 @@ def test_cross_a_merged_file_is_what_another_reader_expects(files: tuple[Path, P
         }
         assert {metadata.name for metadata in reader.iter_metadata()} >= {"site1/telespring", "common time"}
     with out.open("rb") as stream:
-        messages = sum(
-            type(record).__name__ == "Message" for record in StreamReader(stream, validate_crcs=True).records
-        )
-    assert messages == total
+        records = list(StreamReader(stream, validate_crcs=True).records)
+    assert sum(type(record).__name__ == "Message" for record in records) == total
+    # What the indices point to is that message.
+    indexed, content = 0, b""
+    with out.open("rb") as stream:
+        for record in StreamReader(stream, emit_chunks=True).records:
+            if isinstance(record, Chunk):
+                content = zstandard.decompress(record.data, record.uncompressed_size)
+            elif isinstance(record, MessageIndex):
+                for log_time, place in record.records:
+                    opcode, _, channel, _, stamp = struct.unpack_from("<BQHIQ", content, place)
+                    assert (opcode, channel, stamp) == (5, record.channel_id, log_time)
+                indexed += len(record.records)
+    assert indexed == total
 
 
 def test_law_files_of_two_sessions_are_refused(files: tuple[Path, Path], tmp_path: Path) -> None:
