@@ -25,10 +25,10 @@ ifneq ($(VENV_USABLE),yes)
 REMAKE := remake
 endif
 
-.PHONY: help study test link test-link lint format verify oracles fuzz bench clean toolchain link-toolchain remake
+.PHONY: help study test link test-link ros2 test-ros2 lint format verify oracles fuzz bench clean toolchain link-toolchain remake
 
 help: ## list the targets
-	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1|\2/p' Makefile | awk -F'|' '{ printf "%-16s %s\n", $$1, $$2 }'
+	@sed -n 's/^\([a-z0-9-]*\):.*## \(.*\)/  make \1|\2/p' Makefile | awk -F'|' '{ printf "%-16s %s\n", $$1, $$2 }'
 
 study: $(STAMPS)/binding ## set everything up and reproduce the paper in out/study/
 	$(VENV)/bin/telespring reproduce
@@ -45,6 +45,15 @@ link: link-toolchain ## build the live program, target/release/telespring-link (
 # Real-time tests: they share the machine with nobody who can help it.
 test-link: link-toolchain ## test the live program
 	cargo test --locked -p telespring-link
+
+# A workspace of its own, for its many dependencies; its tests need no ROS 2.
+ros2: link-toolchain ## build the bridge to ROS 2, drivers/ros2/target/release/telespring-ros2
+	cargo build --release --locked --manifest-path drivers/ros2/Cargo.toml
+
+test-ros2: link-toolchain ## lint and test the bridge to ROS 2
+	cargo fmt --manifest-path drivers/ros2/Cargo.toml --check
+	cargo clippy --all-targets --locked --manifest-path drivers/ros2/Cargo.toml -- -D warnings
+	cargo test --locked --manifest-path drivers/ros2/Cargo.toml
 
 lint: $(STAMPS)/test ## check formatting, warnings, types and imports between rooms
 	cargo fmt --all --check
@@ -87,8 +96,8 @@ fuzz: toolchain ## run each fuzzer for FUZZ_SECONDS (needs nightly Rust and carg
 	done
 
 clean: ## remove everything that was built (not out/)
-	rm -rf $(VENV) target fuzz/target benches/rust/target .pytest_cache .mypy_cache .ruff_cache .hypothesis
-	find python tests -name __pycache__ -type d -prune -exec rm -rf {} +
+	rm -rf $(VENV) target fuzz/target benches/rust/target drivers/*/.venv drivers/ros2/target .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	find python tests drivers -name __pycache__ -type d -prune -exec rm -rf {} +
 	rm -f python/telespring/_core*.so
 
 toolchain:

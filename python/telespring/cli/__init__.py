@@ -21,6 +21,7 @@ from telespring.cli.help import Command, Group
 from telespring.cli.identify import identify_command
 from telespring.cli.merge import merge_command
 from telespring.cli.predictor import predictor_command
+from telespring.cli.probe import probe_command
 from telespring.cli.rehearse import rehearse
 from telespring.cli.replay import replay_command
 from telespring.cli.reproduce import reproduce_command, study_command
@@ -43,11 +44,12 @@ app.command("simulate", cls=Command)(simulate_command)
 app.command("identify", cls=Command)(refusals()(identify_command))
 app.command("rehearse", cls=Command)(refusals()(rehearse))
 app.command("trace", cls=Command)(refusals()(trace_command))
-app.command("replay", cls=Command)(refusals()(replay_command))
 app.command("compare", cls=Command)(refusals()(compare_command))
 app.command("analyse", cls=Command)(analyse_command)
+app.command("probe", cls=Command)(refusals()(probe_command))
 app.command("connect", cls=Command)(refusals()(connect_command))
 app.command("merge", cls=Command)(refusals()(merge_command))
+app.command("replay", cls=Command)(refusals()(replay_command))
 app.command("predictor", cls=Command)(predictor_command)
 app.command("reproduce", cls=Command)(reproduce_command)
 app.command("study", hidden=True)(study_command)

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import json
-import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -20,6 +18,7 @@ from rich.text import Text
 from telespring._errors import InvalidInput
 from telespring.cli.common import Stiffness, print_json
 from telespring.cli.keyboard import Keyboard, keyboard
+from telespring.cli.live_program import complain, leaving
 from telespring.cli.terminal import screen_console
 from telespring.cli.units import TIME, number
 from telespring.connection import LiveSession, RunningProgram, find_program, outcome
@@ -32,6 +31,8 @@ __all__ = ["connect_command"]
 #: How often the screen is drawn, and lines of a file are written, s.
 _SCREEN_INTERVAL = 0.1
 _LINE_INTERVAL = 2.0
+#: Where a demonstration is recorded.
+_RECORDINGS = Path("out/connect")
 
 
 def connect_command(
@@ -80,6 +81,13 @@ def connect_command(
             help="How long. Default: 20 for --demo; until somebody leaves.",
         ),
     ] = None,
+    record: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FOLDER",
+            help="Folder for recordings. Default: out/connect for --demo; else what the site file says.",
+        ),
+    ] = None,
     as_json: Annotated[
         bool, typer.Option("--json", help="Print JSON in SI units at the end, and nothing before.")
     ] = False,
@@ -106,11 +114,17 @@ def connect_command(
         raise InvalidInput(f"--{name}", str(given[name]), "this belongs to --demo only", remedy)
     program = find_program()
     if check is not None:
+        if record is not None:
+            raise InvalidInput("--record", str(record), "a check records nothing", "Leave it out.")
         raise typer.Exit(_check(program, check, seconds, as_json=as_json))
     if seconds is not None:
         given["seconds"] = seconds
     arguments = ["demo"] if site is None else ["run", str(site)]
     arguments.append("--console")
+    folder = record if record is not None or site is not None else _RECORDINGS
+    if folder is not None:
+        folder.mkdir(parents=True, exist_ok=True)
+        arguments += ["--record", str(folder)]
     for name, value in given.items():
         arguments += [f"--{name}", str(value) if isinstance(value, str) else repr(float(value))]
     title = _title(given) if site is None else f"Site {site.name}"
@@ -136,7 +150,7 @@ def _check(program: Path, site: Path, seconds: float | None, *, as_json: bool) -
         check=False,
         text=True,
     )
-    _complain(done.stderr.splitlines(), done.returncode)
+    complain(done.stderr.splitlines(), done.returncode)
     try:
         report = json.loads(done.stdout)
     except ValueError:
@@ -154,7 +168,7 @@ def _run(program: Path, arguments: Sequence[str], title: str, *, as_json: bool) 
     session = LiveSession()
     with (
         RunningProgram(program, arguments) as running,
-        _leaving(running),
+        leaving(running),
         keyboard(wants_keys=is_live) as keys,
     ):
         if is_live:
@@ -163,7 +177,7 @@ def _run(program: Path, arguments: Sequence[str], title: str, *, as_json: bool) 
             _watch_plainly(console, running, session, keys, is_quiet=as_json)
         status = running.wait()
         complaints = running.complaints
-    _complain(complaints, status)
+    complain(complaints, status)
     if not session.is_over:
         return status or 1
     if as_json:
@@ -209,10 +223,9 @@ def _watch_plainly(
             continue
         for event in session.since(before):
             _print_line(console, event_line(event, is_alone=len(session.sides) < 2))
-        now = time.monotonic()
         for side in session.sides.values():
-            if side.status and now - told.get(side.number, -_LINE_INTERVAL) >= _LINE_INTERVAL:
-                told[side.number] = now
+            if side.told - told.get(side.number, -_LINE_INTERVAL) >= _LINE_INTERVAL:
+                told[side.number] = side.told
                 _print_line(console, status_line(side))
         sys.stdout.flush()
 
@@ -220,27 +233,3 @@ def _watch_plainly(
 def _print_line(console: Console, line: Text) -> None:
     """Print a line whole: who reads it counts lines, not columns."""
     console.print(for_encoding(line, console.encoding), soft_wrap=True)
-
-
-@contextmanager
-def _leaving(running: RunningProgram) -> Iterator[None]:
-    """Let Ctrl-C, and the end of the terminal, end the session in order; Ctrl-C again ends the program."""
-
-    def leave(*_: object) -> None:
-        running.leave()
-
-    signals = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-    before: list[tuple[signal.Signals, Any]] = []
-    try:
-        before.extend((each, signal.signal(each, leave)) for each in signals)
-        yield
-    finally:
-        for each, handler in before:
-            signal.signal(each, handler)
-
-
-def _complain(lines: Sequence[str], status: int) -> None:
-    """Pass on what the program wrote as errors."""
-    say: Callable[[str], str] = (lambda line: f"Refused: {line}") if status == 2 else str
-    for index, line in enumerate(lines):
-        print(say(line) if index == 0 else line, file=sys.stderr)

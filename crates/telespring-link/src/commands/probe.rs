@@ -52,6 +52,9 @@ struct Progress {
 #[derive(Debug, Serialize)]
 struct Found<'a> {
     r#type: &'static str,
+    /// The robot of the study at this site, and the study, as TOML.
+    side: u8,
+    study: &'a str,
     #[serde(flatten)]
     outcome: &'a Outcome,
     trace: Option<&'a Path>,
@@ -59,7 +62,7 @@ struct Found<'a> {
 
 impl Probe {
     pub(super) fn run(self) -> Result<ExitCode, Failure> {
-        let SiteFile { study, network, real_time, .. } = SiteFile::read(&self.site)?;
+        let SiteFile { study, side, network, real_time, .. } = SiteFile::read(&self.site)?;
         if let Some(trace) = &self.trace {
             check_free(trace)?;
         }
@@ -100,7 +103,8 @@ impl Probe {
             (Some(path), Some(text)) => Some(write_new(path, &text)?),
             _ => None,
         };
-        let found = Found { r#type: "summary", outcome: &outcome, trace };
+        let study = study.to_toml();
+        let found = Found { r#type: "summary", side, study: &study, outcome: &outcome, trace };
         if self.console {
             print_line(&found);
         } else {

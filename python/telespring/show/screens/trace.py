@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from telespring.traces.reading import TraceRecording
     from telespring.traces.silences import Silences
 
-__all__ = ["study_lines", "taken_delays", "trace_screen", "written_lines"]
+__all__ = ["judgement", "study_lines", "taken_delays", "trace_screen", "written_lines"]
 
 #: The columns of the tiers, the weakest first, and their headings.
 _TIERS: tuple[tuple[Tier, str], ...] = (
@@ -54,10 +54,14 @@ def trace_screen(
     parts: list[RenderableType] = [Text(f"{name}: {taken}", style="bold")]
     for way, label in zip(found.ways, _WAYS, strict=False):
         parts += _recorded(way, label if len(found.ways) > 1 else "")
-    parts.append(_playout_table(found, robots))
-    parts += _recommendation(found)
+    parts += judgement(found, robots)
     parts.append(Text("\n".join(lines)))
     return Group(*parts)
+
+
+def judgement(found: TraceAssessment, robots: Sequence[str]) -> list[RenderableType]:
+    """Lay out what each play-out proves, and what to use."""
+    return [_playout_table(found, robots), *_recommendation(found)]
 
 
 def _recorded(way: RecordedWay, label: str) -> list[RenderableType]:
