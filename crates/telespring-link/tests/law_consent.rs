@@ -116,7 +116,7 @@ impl Case {
         for side in 0..2 {
             let latest = self.pair.ends[0].wire.borrow_mut().latest[side].take();
             if let Some(datagram) =
-                latest.filter(|datagram| datagram.starts_with(&MAGIC) || self.tick % 50 == 0)
+                latest.filter(|datagram| datagram.starts_with(&MAGIC) || self.tick.is_multiple_of(50))
             {
                 self.past[side].push(datagram.to_vec());
             }
