@@ -79,12 +79,20 @@ class SiteFile:
     """Writes the file of one site, as the live program does: a chunk and a flush every 0.5 s."""
 
     def __init__(
-        self, path: Path, side: int, *, period: float, zero: int, changed: dict[str, str] | None = None
+        self,
+        path: Path,
+        side: int,
+        *,
+        period: float,
+        zero: int,
+        changed: dict[str, str] | None = None,
+        is_checked: bool = True,
     ) -> None:
         self.path, self.zero = path, zero
         self.side = side
         self.stream = path.open("wb")
-        self.writer = Writer(self.stream, compression=CompressionType.LZ4)
+        compression = CompressionType.LZ4 if is_checked else CompressionType.NONE
+        self.writer = Writer(self.stream, compression=compression, enable_crcs=is_checked)
         self.writer.start("telespring", "telespring-link")
         described = {
             "format_version": "1",
@@ -137,6 +145,8 @@ class MadeSession:
     marks: list[tuple[float, int, str]] = field(default_factory=list)
     paused: tuple[float, float] | None = None
     metadata: dict[int, dict[str, str]] = field(default_factory=dict)
+    #: Without compression and checksums, so that damage is seen by the reader of the messages.
+    is_checked: bool = True
 
     def target(self, time: Any) -> Any:
         return 0.05 * np.stack([np.sin(2.0 * time), np.cos(1.0 * time)], axis=-1)
@@ -167,7 +177,12 @@ class MadeSession:
     def write_site(self, folder: Path, side: int, *, end: bool = True) -> Path:
         path = folder / f"site{side}.mcap"
         file = SiteFile(
-            path, side, period=self.period, zero=10**18 + 1000 * side, changed=self.metadata.get(side)
+            path,
+            side,
+            period=self.period,
+            zero=10**18 + 1000 * side,
+            changed=self.metadata.get(side),
+            is_checked=self.is_checked,
         )
         count = round(self.seconds / self.period)
         times = np.arange(count) * self.period

@@ -67,6 +67,10 @@ def test_law_a_recording_has_what_the_loop_saw(made: MadeSession, files: tuple[P
     assert np.array_equal(own, made.position(1, times))
     force = np.column_stack([columns["commanded_force.x"], columns["commanded_force.y"]])
     assert np.array_equal(force, made.force(1, times))
+    # What is not known is not zero.
+    assert np.isnan(columns["age"][:40]).all()
+    assert not side.ticks.present["age"][:40].any()
+    assert np.array_equal(columns["age"][40:], np.full(2960, made.delay[1]))
     # Packets as they came, bit by bit: lost ones are not there.
     packets = side.packets
     sent = packets["sequence"].astype(int)
@@ -156,6 +160,27 @@ def test_law_a_recording_cut_anywhere_says_until_when_it_is_whole(
     assert "did not end its recording" in found["warnings"][0]
     killed = made.write_site(tmp_path, 2, end=False)
     assert ts.read_recording(killed).status == "truncated"
+
+
+@pytest.mark.parametrize("seed", range(15))
+def test_law_any_damage_is_read_or_refused(seed: int, tmp_path: Path) -> None:
+    made = MadeSession(seconds=0.1, delay=(0.01, 0.01), marks=[(0.02, 1, "trial 1")], is_checked=False)
+    path = made.write_site(tmp_path, 1)
+    raw = np.frombuffer(path.read_bytes(), dtype=np.uint8).copy()
+    rng = np.random.default_rng(seed)
+    if seed % 3 == 0:
+        begin = int(rng.integers(raw.size))
+        raw[begin : begin + int(rng.choice([1, 8, 100]))] = rng.choice([0, 255])
+    else:
+        places = rng.integers(raw.size, size=int(rng.choice([1, 5, 30])))
+        raw[places] = rng.integers(256, size=places.size)
+    path.write_bytes(raw.tobytes())
+    try:
+        recording = ts.read_recording(path)
+        json.dumps(ts.analyse_recording(recording), allow_nan=False)
+    except ts.InvalidInput:
+        return
+    assert recording.first.side == 1
 
 
 def test_law_missed_items_are_counted(tmp_path: Path) -> None:
@@ -306,6 +331,56 @@ def test_law_a_merged_file_is_both_files(files: tuple[Path, Path], tmp_path: Pat
         ts.merge_recordings(out, files[0])
     with pytest.raises(ts.InvalidInput, match="MCAP"):
         ts.merge_recordings(*files, tmp_path / "session.nc")
+
+
+def test_cross_a_merged_file_is_what_another_reader_expects(files: tuple[Path, Path], tmp_path: Path) -> None:
+    import zstandard
+    from mcap.reader import make_reader
+    from mcap.records import Chunk, MessageIndex
+    from mcap.stream_reader import StreamReader
+
+    out = tmp_path / "session.mcap"
+    merged = ts.merge_recordings(*files, out)
+    with out.open("rb") as stream:
+        reader = make_reader(stream)
+        summary = reader.get_summary()
+        assert summary is not None
+        assert summary.statistics is not None
+        topics = {channel.topic for channel in summary.channels.values()}
+        assert topics == {f"/site{side}/{kind}" for side in (1, 2) for kind in ("tick", "arrival", "event")}
+        # By the index of the chunks and of the messages, in the order of time: both sites alternate.
+        stamps = []
+        for _, channel, found in reader.iter_messages(topics=["/site1/tick", "/site2/tick"]):
+            stamps.append((found.log_time, channel.topic))
+        assert stamps == sorted(stamps, key=lambda stamp: stamp[0])
+        assert len(stamps) == 6000
+        assert {name for _, name in stamps[1000:1010]} == {"/site1/tick", "/site2/tick"}
+        total = sum(
+            len(getattr(side, kind))
+            for side in merged.sides.values()
+            for kind in ("ticks", "arrivals", "events")
+        )
+        assert summary.statistics.message_count == total
+        assert {attachment.name for attachment in reader.iter_attachments()} == {
+            "site1/study.toml",
+            "site2/study.toml",
+        }
+        assert {metadata.name for metadata in reader.iter_metadata()} >= {"site1/telespring", "common time"}
+    with out.open("rb") as stream:
+        records = list(StreamReader(stream, validate_crcs=True).records)
+    assert sum(type(record).__name__ == "Message" for record in records) == total
+    # What the indices point to is that message.
+    indexed, content = 0, b""
+    with out.open("rb") as stream:
+        for record in StreamReader(stream, emit_chunks=True).records:
+            if isinstance(record, Chunk):
+                content = zstandard.decompress(record.data, record.uncompressed_size)
+            elif isinstance(record, MessageIndex):
+                for log_time, place in record.records:
+                    opcode, _, channel, _, stamp = struct.unpack_from("<BQHIQ", content, place)
+                    assert (opcode, channel, stamp) == (5, record.channel_id, log_time)
+                indexed += len(record.records)
+    assert indexed == total
 
 
 def test_law_files_of_two_sessions_are_refused(files: tuple[Path, Path], tmp_path: Path) -> None:

@@ -19,15 +19,16 @@ if TYPE_CHECKING:
 
 __all__ = ["session_dataset", "session_grid"]
 
-#: The longest dataset: 6 h at 1 kHz.
-_MOST_SAMPLES = 21_600_000
+#: A dataset has no more samples than so many times the ticks: a session with longer gaps has a coarser grid.
+_SAMPLES_PER_TICK = 8
 
 
 def session_grid(sites: Sequence[SiteSeries], period: float) -> NDArray[np.int64]:
     """Return the times (ns) of a grid of this period (s) over all ticks of all sites."""
     begin = min(int(site.time[0]) for site in sites)
     end = max(int(site.time[-1]) for site in sites)
-    step = max(round(period * 1e9), (end - begin) // _MOST_SAMPLES + 1)
+    most = _SAMPLES_PER_TICK * sum(len(site.time) for site in sites) + 1000
+    step = max(round(period * 1e9), (end - begin) // most + 1)
     return np.arange(begin, end + 1, step, dtype=np.int64)
 
 

@@ -30,6 +30,8 @@ _LARGEST_CHUNK = 64 * 2**20
 #: A record outside the chunks: the study and the site file are a few kilobytes.
 _LARGEST_RECORD = 4 * 2**20
 _MOST_CHANNELS = 1000
+#: Records in a chunk that are no messages: a channel and a schema each.
+_MOST_OTHERS = 2 * _MOST_CHANNELS
 #: Five and a half hours at 1 kHz with ticks and arrivals.
 _MOST_MESSAGES = 40_000_000
 
@@ -249,6 +251,7 @@ class McapFile:
         place, end = 0, len(data)
         unpack = _MESSAGE_START.unpack_from
         last = end - _DATA
+        others = 0
         while place <= last:
             opcode, length, channel = unpack(data, place)
             following = place + 9 + length
@@ -262,12 +265,16 @@ class McapFile:
                 except KeyError:
                     places[channel] = [place]
             else:
+                others += 1
+                if others > _MOST_OTHERS:
+                    break
                 self._record(opcode, data[place + 9 : following])
             place = following
-        while place + 9 <= end:  # a short record at the end
+        while place + 9 <= end and others <= _MOST_OTHERS:  # a short record at the end
             opcode, length = _RECORD.unpack_from(data, place)
             if length > end - place - 9:
                 break
+            others += 1
             self._record(opcode, data[place + 9 : place + 9 + length])
             place += 9 + length
         self._count += sum(len(found) for found in places.values())

@@ -5,28 +5,24 @@ from __future__ import annotations
 import heapq
 import json
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import IO, TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from telespring._errors import InvalidInput
 from telespring._files import replacing
 from telespring.recording.mcap_file import McapFile
+from telespring.recording.merged_file import MergedFile
 from telespring.recording.reading import read_recording
 from telespring.recording.session import SessionRecording
 
 if TYPE_CHECKING:
-    from mcap.writer import Writer
-
     from telespring.recording.side import SideRecording
 
 __all__ = ["merge_recordings"]
-
-#: A message for the merged file: its times (ns), and which file, channel and bytes.
-_Message = tuple[int, int, int, int, bytes]
 
 
 def merge_recordings(
@@ -137,24 +133,22 @@ def _named(side: SideRecording, value: str) -> str:
     return f"{value} in {side.path.name}"
 
 
-def _write(merged: SessionRecording, stream: Any) -> None:
-    """Write all messages of both files in the order of the common time."""
-    from mcap.writer import CompressionType, Writer
-
-    writer = Writer(stream, compression=CompressionType.ZSTD)
-    writer.start("telespring", "telespring merge")
+def _write(merged: SessionRecording, stream: IO[bytes]) -> None:
+    """Write all messages of both files with the times of the common clock, chunk by chunk."""
+    out = MergedFile(stream, "telespring merge")
     files = []
     for number, side in merged.sides.items():
         for name, content in side.metadata.items():
-            writer.add_metadata(f"site{number}/{name}", content)
+            out.add_metadata(f"site{number}/{name}", content)
         if side.study:
-            writer.add_attachment(0, 0, f"site{number}/study.toml", "application/toml", side.study.encode())
+            out.add_attachment(f"site{number}/study.toml", "application/toml", side.study.encode())
         if side.summary is not None:
-            text = json.dumps(side.summary).encode()
-            writer.add_attachment(0, 0, f"site{number}/summary.json", "application/json", text)
+            out.add_attachment(
+                f"site{number}/summary.json", "application/json", json.dumps(side.summary).encode()
+            )
         files.append((side, McapFile(side.path)))
     if merged.clock is not None:
-        writer.add_metadata(
+        out.add_metadata(
             "common time",
             {
                 "uncertainty": repr(merged.clock.uncertainty),
@@ -162,57 +156,34 @@ def _write(merged: SessionRecording, stream: Any) -> None:
                 "disagreement": repr(merged.clock.disagreement * 1e-9),
             },
         )
-    channels: dict[tuple[int, int], int] = {}
-    schemas: dict[tuple[str, bytes], int] = {}
-    streams = (_messages(merged, side, file, place) for place, (side, file) in enumerate(files))
-    for log_time, publish_time, place, number, data in heapq.merge(*streams, key=lambda message: message[0]):
-        key = place, number
-        if key not in channels:
-            channels[key] = _register(writer, files[place][1], number, schemas)
-        writer.add_message(channels[key], log_time, data, publish_time)
-    writer.finish()
+    chunks = (_chunks(merged, side, file, out) for side, file in files)
+    for _, _, write in heapq.merge(*chunks, key=lambda chunk: chunk[:2]):
+        write()
+    out.finish()
 
 
-def _messages(
-    merged: SessionRecording, side: SideRecording, file: McapFile, place: int
-) -> Iterator[_Message]:
-    """Yield the messages of a file with their times on the common clock."""
+def _chunks(
+    merged: SessionRecording, side: SideRecording, file: McapFile, out: MergedFile
+) -> Iterator[tuple[int, int, Callable[[], None]]]:
+    """Yield the chunks of a file: when they begin on the common clock, of which side, how to write them."""
     zero, shown_zero = side.wall_time_zero, merged.first.wall_time_zero
+    numbers: dict[int, int] = {}
     for chunk in file.chunks():
-        numbers, starts, ends, logged, published = _joined(chunk.messages)
-        local = logged.astype(np.int64) - zero
-        common = np.maximum(merged.common_times(side.side, local) + shown_zero, 0)
+        known = {number: found for number, found in chunk.messages.items() if number in file.channels}
+        if not known:
+            continue
+        for number in known.keys() - numbers.keys():
+            channel = file.channels[number]
+            numbers[number] = out.add_channel(channel, file.schemas.get(channel.schema_id))
+        channels = np.concatenate([np.full(len(each.starts), numbers[n]) for n, each in known.items()])
+        starts, ends, logged = (
+            np.concatenate([getattr(each, name) for each in known.values()]).astype(np.int64)
+            for name in ("starts", "ends", "log_time")
+        )
+        common = np.maximum(merged.common_times(side.side, logged - zero) + shown_zero, 0)
         # In the order in which they were written, which a replay needs.
-        for i in np.argsort(starts, kind="stable").tolist():
-            yield (
-                int(common[i]),
-                int(published[i]),
-                place,
-                int(numbers[i]),
-                chunk.data[int(starts[i]) : int(ends[i])],
-            )
-
-
-def _joined(messages: dict[int, Any]) -> tuple[NDArray[Any], ...]:
-    if not messages:
-        return tuple(np.zeros(0, dtype=np.int64) for _ in range(5))
-    numbers = np.concatenate([np.full(len(each.starts), number) for number, each in messages.items()])
-    return (
-        numbers,
-        *(
-            np.concatenate([getattr(each, name) for each in messages.values()])
-            for name in ("starts", "ends", "log_time", "publish_time")
-        ),
-    )
-
-
-def _register(writer: Writer, file: McapFile, number: int, schemas: dict[tuple[str, bytes], int]) -> int:
-    channel = file.channels[number]
-    schema = file.schemas.get(channel.schema_id)
-    schema_id = 0
-    if schema is not None:
-        key = schema.name, schema.data
-        if key not in schemas:
-            schemas[key] = writer.register_schema(schema.name, schema.encoding, schema.data)
-        schema_id = schemas[key]
-    return writer.register_channel(channel.topic, channel.message_encoding, schema_id, channel.metadata)
+        order = np.argsort(starts, kind="stable")
+        write = partial(
+            out.add_messages, chunk.data, starts[order], ends[order], channels[order], common[order]
+        )
+        yield int(common.min()), side.side, write

@@ -86,7 +86,7 @@ def message_layout(schema: bytes, name: str) -> MessageLayout:
     messages: dict[str, DescriptorProto] = {}
 
     def collect(message: DescriptorProto, scope: str) -> None:
-        full = f"{scope}.{message.name}" if scope else message.name
+        full = f"{scope}.{message.name}" if scope else str(message.name)
         messages[full] = message
         for nested in message.nested_type:
             collect(nested, full)
@@ -94,6 +94,11 @@ def message_layout(schema: bytes, name: str) -> MessageLayout:
     for file in files.file:
         for message in file.message_type:
             collect(message, file.package)
+    for described in messages.values():
+        # protobuf gives bytes for a name that is no text
+        names = (text for field in described.field for text in (field.name, field.type_name))
+        if not all(isinstance(text, str) for text in (described.name, *names)):
+            raise _unreadable(name)
 
     def resolve(written: str, scope: str) -> str | None:
         """Find a message by the name in a field: in full after a dot, otherwise from the inside out."""

@@ -318,6 +318,7 @@ impl<D: Device, T: Transport> Site<D, T> {
             offset: self.offset.filter(|_| !is_coupled),
             consents: [self.accord.own.has_consented, self.accord.partner_consents()],
             share: self.share(now),
+            is_cut: self.gate.was_cut(),
         };
         self.tally.cut_ticks += u64::from(self.gate.was_cut());
         self.tally.softened_ticks += u64::from(is_coupled && self.watch.share() < 1.0);

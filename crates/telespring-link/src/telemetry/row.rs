@@ -188,6 +188,7 @@ pub(super) mod tests {
             offset: None,
             consents: [true; 2],
             share: 1.0,
+            is_cut: false,
         }
     }
 

@@ -17,22 +17,25 @@ if TYPE_CHECKING:
 
 __all__ = ["draw_session"]
 
-#: Events that a reader looks for; the others are in the table.
+#: Events that a reader looks for; the others are in the table. A state that begins is named by its word.
+_STATE = "phase"
 _SHOWN = {
-    "running",
-    "paused",
-    "leaving",
-    "ended",
-    "holding",
-    "ramping-out",
-    "ramping-in",
-    "disengaged",
-    "engaged",
+    _STATE,
     "emergency-stop",
+    "network-pause",
+    "softened",
+    "restored",
+    "delay-too-short",
+    "holding",
+    "disengaged",
+    "partner-restarted",
     "path-changed",
     "path-lost",
     "recording-missed",
+    "recording-broken",
 }
+#: States that the figure names: from the first on the spring acts, or has acted.
+_STATES = {"running", "ramping-out", "paused", "stopped", "ended"}
 
 
 def draw_session(session: xr.Dataset, trials: Sequence[MarkedTrial] = ()) -> Figure:
@@ -66,13 +69,15 @@ def draw_session(session: xr.Dataset, trials: Sequence[MarkedTrial] = ()) -> Fig
 def _named_events(session: xr.Dataset) -> list[tuple[float, str]]:
     """Name the events of the figure with their sites; what both sites say within 0.2 s is said once."""
     named: list[tuple[float, str, list[int]]] = []
-    for time, name, robot in zip(
+    for time, event, cause, robot in zip(
         session["event_time"].values,
         session["event_name"].values,
+        session["event_cause"].values,
         session["event_robot"].values,
         strict=True,
     ):
-        if name not in _SHOWN:
+        name = cause if event == _STATE else event
+        if event not in _SHOWN or (event == _STATE and cause not in _STATES):
             continue
         before = next((one for one in reversed(named) if one[1] == name and time - one[0] < 0.2), None)
         if before is not None and int(robot) not in before[2]:
