@@ -25,10 +25,10 @@ ifneq ($(VENV_USABLE),yes)
 REMAKE := remake
 endif
 
-.PHONY: help study test link test-link lint format verify oracles fuzz bench clean toolchain link-toolchain remake
+.PHONY: help study test link test-link ros2 test-ros2 lint format verify oracles fuzz bench clean toolchain link-toolchain remake
 
 help: ## list the targets
-	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1|\2/p' Makefile | awk -F'|' '{ printf "%-16s %s\n", $$1, $$2 }'
+	@sed -n 's/^\([a-z0-9-]*\):.*## \(.*\)/  make \1|\2/p' Makefile | awk -F'|' '{ printf "%-16s %s\n", $$1, $$2 }'
 
 study: $(STAMPS)/binding ## set everything up and reproduce the paper in out/study/
 	$(VENV)/bin/telespring reproduce
@@ -42,9 +42,27 @@ test: $(STAMPS)/binding $(STAMPS)/test ## set everything up and run all tests
 link: link-toolchain ## build the live program, target/release/telespring-link (Linux)
 	cargo build --release --locked -p telespring-link
 
+# One file without any library of the system, for a machine that has no Rust.
+HOST := $(shell rustc -vV 2>/dev/null | sed -n 's/^host: //p')
+link-static: link-toolchain ## build the live program as one static file, in target/HOST/release
+	RUSTFLAGS='-C target-feature=+crt-static' cargo build --release --locked -p telespring-link --target $(HOST)
+	@echo target/$(HOST)/release/telespring-link
+
 # Real-time tests: they share the machine with nobody who can help it.
 test-link: link-toolchain ## test the live program
-	cargo test --locked -p telespring-link
+	cargo test --profile link-test --locked -p telespring-link
+
+bench-link: link-toolchain ## compare the live program with raw UDP and cyclictest (needs root and rt-tests)
+	cargo bench --locked -p telespring-link --bench link
+
+# A workspace of its own, for its many dependencies; its tests need no ROS 2.
+ros2: link-toolchain ## build the bridge to ROS 2, drivers/ros2/target/release/telespring-ros2
+	cargo build --release --locked --manifest-path drivers/ros2/Cargo.toml
+
+test-ros2: link-toolchain ## lint and test the bridge to ROS 2
+	cargo fmt --manifest-path drivers/ros2/Cargo.toml --check
+	cargo clippy --all-targets --locked --manifest-path drivers/ros2/Cargo.toml -- -D warnings
+	cargo test --locked --manifest-path drivers/ros2/Cargo.toml
 
 lint: $(STAMPS)/test ## check formatting, warnings, types and imports between rooms
 	cargo fmt --all --check
@@ -87,8 +105,8 @@ fuzz: toolchain ## run each fuzzer for FUZZ_SECONDS (needs nightly Rust and carg
 	done
 
 clean: ## remove everything that was built (not out/)
-	rm -rf $(VENV) target fuzz/target benches/rust/target .pytest_cache .mypy_cache .ruff_cache .hypothesis
-	find python tests -name __pycache__ -type d -prune -exec rm -rf {} +
+	rm -rf $(VENV) target fuzz/target benches/rust/target drivers/*/.venv drivers/ros2/target .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	find python tests drivers -name __pycache__ -type d -prune -exec rm -rf {} +
 	rm -f python/telespring/_core*.so
 
 toolchain:

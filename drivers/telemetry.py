@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 import socket
 import struct
+from typing import NamedTuple
 
 VERSION = 1.0
 ROW = struct.Struct("<40d")
 MOST_ROWS = 1000  # datagrams that one look takes
+LONGEST_MARK = 128  # characters of a marker
 Row = tuple[float, ...]
 
 # name and unit of each place; the rest is not used
@@ -85,26 +87,45 @@ def word(words: tuple[str, ...], code: float) -> str | None:
     return words[int(code)] if code in range(len(words)) else f"{code:g}"
 
 
+class Mark(NamedTuple):
+    """A marker: when it was set, s, by the monotonic clock, and what it says."""
+
+    time: float
+    text: str  # its kind, then its label
+
+
+def decode_mark(datagram: bytes) -> Mark | None:
+    """Return the marker in a datagram; None if it is none."""
+    try:
+        word, time, text = datagram.decode("ascii").split(" ", 2)
+        mark = Mark(float(time), text)
+    except ValueError:
+        return None
+    return mark if word == "mark" and math.isfinite(mark.time) and len(datagram) <= LONGEST_MARK else None
+
+
 class Source:
-    """Where the rows come."""
+    """Where the rows and the markers come."""
 
     def __init__(self, listen: tuple[str, int]) -> None:
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._socket.bind(listen)
 
-    def rows(self, patience: float) -> list[Row]:
-        """Wait for `patience` s at most; return the rows that have come."""
+    def rows(self, patience: float) -> tuple[list[Row], list[Mark]]:
+        """Wait for `patience` s at most; return the rows and the markers that have come."""
         self._socket.settimeout(patience)
-        rows = []
+        rows, marks = [], []
         for _ in range(MOST_ROWS):
             try:
-                row = decode(self._socket.recv(1024))
+                datagram = self._socket.recv(1024)
             except (TimeoutError, BlockingIOError):
                 break
-            if row is not None:
+            if (row := decode(datagram)) is not None:
                 rows.append(row)
+            elif (mark := decode_mark(datagram)) is not None:
+                marks.append(mark)
             self._socket.setblocking(False)
-        return rows
+        return rows, marks
 
     def close(self) -> None:
         """Close the socket."""

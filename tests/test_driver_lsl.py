@@ -15,7 +15,19 @@ from pathlib import Path
 import pytest
 
 from drivers.lsl.bridge import CHANNELS, Bridge, Stream
-from drivers.telemetry import COLUMNS, PHASES, PLACE, ROW, WATCHDOGS, Row, Source, decode, word
+from drivers.telemetry import (
+    COLUMNS,
+    PHASES,
+    PLACE,
+    ROW,
+    WATCHDOGS,
+    Mark,
+    Row,
+    Source,
+    decode,
+    decode_mark,
+    word,
+)
 
 ROOT = Path(__file__).resolve().parent.parent
 ENVIRONMENT = ROOT / "drivers" / "lsl" / ".venv" / "bin" / "python"
@@ -149,15 +161,38 @@ def test_law_the_source_takes_rows_and_nothing_else() -> None:
     source = Source(("127.0.0.1", 0))
     listen = source._socket.getsockname()  # a free port was asked for
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
-        for datagram in (b"hello", ROW.pack(*row(1.0)), bytes(ROW.size), b"", ROW.pack(*row(2.0))):
+        mark = b"mark 2.500000001 trial 7 with eyes closed"
+        for datagram in (b"hello", ROW.pack(*row(1.0)), bytes(ROW.size), b"", mark, ROW.pack(*row(2.0))):
             sender.sendto(datagram, listen)
         rows: list[Row] = []
+        marks: list[Mark] = []
         start = time.monotonic()
         while len(rows) < 2 and time.monotonic() - start < 30.0:
-            rows += source.rows(0.1)
+            taken = source.rows(0.1)
+            rows += taken[0]
+            marks += taken[1]
+    assert marks == [Mark(2.500000001, "trial 7 with eyes closed")]
     assert [each[PLACE["sequence"]] for each in rows] == [1.0, 2.0]
-    assert source.rows(0.0) == []
+    assert source.rows(0.0) == ([], [])
     source.close()
+
+
+def test_law_a_marker_is_an_event() -> None:
+    for bad in (b"", b"mark", b"mark 1.0", b"mark nan trial 7", b"note 1.0 trial 7", b"mark 1.0 note \xff"):
+        assert decode_mark(bad) is None, bad
+    assert decode_mark(b"mark 1.0 note " + 200 * b"x") is None
+    page = (ROOT / "docs" / "telemetry.md").read_text(encoding="utf-8")
+    example = "mark 2.500000001 trial 7 with eyes closed"
+    assert f"`{example}`" in page
+    mark = decode_mark(example.encode())
+    assert mark is not None
+    kept = Kept(Stream(2, 500.0))
+    bridge = Bridge(lambda _stream: kept)
+    bridge.mark([mark], offset=5.0)
+    bridge.take([row(1.0)], offset=5.0)
+    bridge.mark([mark], offset=5.0)
+    assert kept.events[-1] == (7.500000001, "mark trial 7 with eyes closed")
+    assert [event for _, event in kept.events].count("mark trial 7 with eyes closed") == 1
 
 
 READER = """
@@ -210,7 +245,7 @@ def test_cross_an_inlet_of_pylsl_reads_the_stream(tmp_path: Path) -> None:
             while listening.is_alive():
                 sequence += 1.0
                 # after the inlets have opened, an event
-                phase = 1.0 if len(said) == 2 else 0.0
+                phase = float(PHASES.index("running")) if len(said) == 2 else 0.0
                 now = time.monotonic()
                 sent[sequence] = now
                 values = row(sequence, time=now, phase=phase, position_x=sequence, balance=0.25)

@@ -91,3 +91,15 @@ def test_cross_one_site_knows_where_the_other_was(demo: tuple[dict[str, Any], li
     known = np.isfinite(seen).all(axis=1)
     assert known.mean() > 0.5
     assert np.abs(seen - expected)[known].max() < 0.02
+
+
+def test_cross_a_session_of_the_program_reproduces_itself(demo: tuple[dict[str, Any], list[Path]]) -> None:
+    _, paths = demo
+    if any(ts.read_recording(path).missed for path in paths):
+        pytest.skip("this machine was too busy: the recording misses ticks")
+    for files in (paths, paths[:1], paths[1:]):
+        found = ts.replay(*files)
+        assert found.is_reproduced
+        for side in found.sides:
+            assert side.is_coupled.sum() > 500
+            assert side.replayed.renewed == (len(side.recording.arrival_time) if len(files) == 2 else 0)

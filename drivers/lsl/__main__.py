@@ -35,8 +35,9 @@ def serve(source: Source, bridge: Bridge) -> None:
     compared = time.monotonic()
     print(f"LSL's clock less the monotonic one: {1e6 * offset:.2f} ± {1e6 * error:.2f} µs", flush=True)
     while not is_over:
-        rows = source.rows(LOOK)
+        rows, marks = source.rows(LOOK)
         bridge.take(rows, offset)
+        bridge.mark(marks, offset)
         if time.monotonic() - compared > COMPARE:
             now, error = clock_offset()
             compared = time.monotonic()

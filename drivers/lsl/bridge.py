@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Protocol
 
-from drivers.telemetry import COLUMNS, PHASES, PLACE, WATCHDOGS, Row, word
+from drivers.telemetry import COLUMNS, PHASES, PLACE, WATCHDOGS, Mark, Row, word
 
 FIRST = PLACE["phase"]  # the places before it are in the stream's name, or its time stamps
 CHANNELS = COLUMNS[FIRST:]
@@ -70,6 +70,12 @@ class Bridge:
             samples.append(list(row[FIRST : len(COLUMNS)]))
             stamps.append(stamp)
         self._flush(samples, stamps)
+
+    def mark(self, marks: Iterable[Mark], offset: float) -> None:
+        """Hand markers on; those before the first row have nowhere to go."""
+        for mark in marks:
+            if self._outlets is not None:
+                self._outlets.push_event(f"mark {mark.text}", mark.time + offset)
 
     def _flush(self, samples: list[list[float]], stamps: list[float]) -> None:
         if samples and self._outlets is not None:

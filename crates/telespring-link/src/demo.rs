@@ -12,7 +12,9 @@ use telespring::session::Span;
 use telespring::study::Study;
 
 use crate::conduct::{ConductError, Plan, conduct};
+use crate::console::{Console, Output};
 use crate::device::Simulated;
+use crate::feed::Observer;
 use crate::hello::draw_session;
 use crate::operator::Order;
 use crate::real_time::Limits;
@@ -80,6 +82,13 @@ pub struct DemoSummary {
     pub sites: [Summary; 2],
 }
 
+/// What one side has of its own.
+struct Side {
+    number: u8,
+    link: Udp,
+    orders: Option<Consumer<Order>>,
+}
+
 /// Why a demonstration did not take place.
 #[derive(Debug, thiserror::Error)]
 pub enum DemoError {
@@ -118,7 +127,7 @@ impl Demo {
     }
 
     /// Runs both sides, each on a thread of its own, until the time is over or `stop` is set. `orders`: what the people at
-    /// both sides order, if anybody does.
+    /// both sides order, if anybody does; `console` tells what happens.
     ///
     /// # Errors
     ///
@@ -127,6 +136,7 @@ impl Demo {
         &self,
         stop: &AtomicBool,
         orders: [Option<Consumer<Order>>; 2],
+        console: Option<&Output>,
     ) -> Result<DemoSummary, DemoError> {
         if !(self.seconds > 0.0 && self.seconds <= 86_400.0) {
             let allowed = "above 0, up to 86400 s";
@@ -146,10 +156,10 @@ impl Demo {
             let mut sides = (1_u8..).zip(links.into_iter().zip(orders));
             [(); 2]
                 .map(|()| {
-                    sides.next().map(|(side, (link, orders))| {
-                        let name = format!("site {side}");
+                    sides.next().map(|(number, (link, orders))| {
+                        let name = format!("site {number}");
                         std::thread::Builder::new().name(name).spawn_scoped(scope, move || {
-                            self.run_side(study, side, link, server, orders, stop)
+                            self.run_side(study, Side { number, link, orders }, server, console, stop)
                         })
                     })
                 })
@@ -165,10 +175,9 @@ impl Demo {
     fn run_side(
         &self,
         study: &Study,
-        side: u8,
-        link: Udp,
+        Side { number: side, link, orders }: Side,
         server: Option<&Arc<LiveServer>>,
-        orders: Option<Consumer<Order>>,
+        console: Option<&Output>,
         stop: &AtomicBool,
     ) -> Result<Summary, DemoError> {
         let laboratory = study.laboratory()?;
@@ -183,7 +192,9 @@ impl Demo {
         let limits = Limits { duration: Some(Span::from_seconds(self.seconds + after)) };
         let facts = Facts::new(study, &settings).with("device", "simulated").with("network", "emulated");
         let folder = self.record.as_ref().map(|folder| ("--record", folder));
-        let plan = Plan { real_time: self.real_time, limits, orders, ..Plan::default() };
+        let console = console.map(|output| Console::new(output.clone(), side));
+        let observers = console.into_iter().map(|console| Box::new(console) as Box<dyn Observer>).collect();
+        let plan = Plan { real_time: self.real_time, limits, observers, orders, ..Plan::default() };
         let plan = plan.watched(&facts, folder, server)?;
         Ok(conduct(settings, device, transport, plan, stop, |_| {})?)
     }

@@ -221,12 +221,41 @@ fn law_loss_on_the_wire_makes_hardly_more_loss_in_the_session() {
         let lost = got[side].iter().filter(|came| !**came).count() as f64 / NUMBER as f64;
         let wire = path.share(1 - side);
         let report = sites[1 - side].report();
+        println!("{lost:.4} of the packets, {wire:.4} of the datagrams");
         assert!(lost <= wire + 0.01, "{lost} of the packets, {wire} of the datagrams: {report:?}");
         assert!(lost > 0.005 && report.unsent == 0 && report.every == 1, "{lost} {report:?}");
         // QUIC knows what got lost, and no more than that
         let known = report.lost as f64 / NUMBER as f64;
         assert!((known - wire).abs() < 0.015, "{known} {wire}");
     }
+}
+
+#[test]
+fn law_loss_that_lasts_halves_the_rate_and_not_that_of_greetings() {
+    let Some((path, mut sites)) = lossy_pair(0.35) else { return };
+    let [site, partner] = &mut sites;
+    let mut room = [0; ROOM];
+    let mut slower = None;
+    wait("a lower rate", || {
+        site.send(NOW, &[7; 112]);
+        partner.send(NOW, &[7; 112]);
+        while site.receive(NOW, &mut room).is_some() || partner.receive(NOW, &mut room).is_some() {}
+        if let Some(PathEvent::Rate { every }) = site.poll_path() {
+            slower = Some(every);
+        }
+        slower.is_some()
+    });
+    assert_eq!(slower, Some(2));
+    assert!(path.share(0) > 0.3);
+    let thinned = site.report().thinned;
+    for _ in 0..20 {
+        site.send(NOW, b"TSPH a greeting");
+    }
+    assert_eq!(site.report().thinned, thinned);
+    for _ in 0..20 {
+        site.send(NOW, &[7; 112]);
+    }
+    assert!(site.report().thinned >= thinned + 10);
 }
 
 #[test]

@@ -120,7 +120,8 @@ fn law_a_partner_that_is_killed_and_started_again_is_greeted_anew() {
         silences.clone().any(|entry| entry["event"] == "disengaged" && entry["cause"] == "silence"),
         "{stayed}"
     );
-    assert!(events(&again).contains(&"ramping-in"), "{again}");
+    // whether it is coupled again depends on where the two handles are: its robot starts from the beginning
+    assert!(events(&again).contains(&"agreed"), "{again}");
     assert!(stayed["path"]["connections"].as_u64().unwrap() >= 2, "{stayed}");
     assert!(stayed["energy"]["least_balance"].as_f64().unwrap() >= 0.0, "{stayed}");
 }

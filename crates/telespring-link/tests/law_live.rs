@@ -40,6 +40,7 @@ fn tick(number: u64) -> Item {
         stamp: None,
         device_delay: None,
         is_measured: false,
+        is_timed: false,
         forces: Forces::default(),
         asked: None,
         newest: None,
@@ -49,6 +50,7 @@ fn tick(number: u64) -> Item {
         offset: None,
         consents: [true; 2],
         share: 1.0,
+        is_cut: false,
     };
     Item::Tick { moment, lateness: Span(0), duration: Span(0), overruns: 0 }
 }

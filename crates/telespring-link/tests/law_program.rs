@@ -409,7 +409,9 @@ fn assert_is_coupled_and_let_go(name: &str, mut robot: Command) {
     let robot = robot.wait_with_output().unwrap();
     assert_eq!(site.status.code(), Some(0), "{site:?} {robot:?}");
     assert_eq!(other.status.code(), Some(0), "{other:?}");
-    let [site, other] = [summary(&site), summary(&other)];
+    // of a console the last line
+    let last = String::from_utf8_lossy(&site.stdout).lines().last().unwrap().to_owned();
+    let [site, other] = [serde_json::from_str(&last).unwrap(), summary(&other)];
     assert_eq!([&site["cause"], &other["cause"]], ["stop-requested", "partner-left"]);
     for event in ["order-refused", "mark", "consented", "partner-consented", "ramping-in"] {
         assert!(events(&site).contains(&event), "{event}: {site}");

@@ -72,7 +72,8 @@ fn law_both_sides_of_a_session_are_recorded_whole() {
         assert_eq!(site["recording"]["status"], "complete");
         assert_eq!(site["recording"]["bytes"], bytes.len());
         // every tick of the loop, none twice
-        let ticks: Vec<_> = file.of(&format!("/site{side}/tick")).collect();
+        let topic = format!("/site{side}/tick");
+        let ticks: Vec<_> = file.of(&topic).collect();
         assert_eq!(site["recording"]["missed"], 0, "{site}");
         assert_eq!(site["lateness"]["ticks"], ticks.len());
         assert!((0..).zip(&ticks).all(|(number, tick)| whole(&tick.content, "tick") == Some(number)));
@@ -99,7 +100,8 @@ fn law_what_is_older_than_half_a_second_outlives_a_kill() {
         let file = read(&fs::read(path).unwrap());
         assert!(!file.is_whole && !file.metadata.contains_key("end"));
         assert!(file.metadata.contains_key("telespring") && file.attachments.contains_key("study.toml"));
-        let ticks: Vec<_> = file.of(&format!("/site{side}/tick")).collect();
+        let topic = format!("/site{side}/tick");
+        let ticks: Vec<_> = file.of(&topic).collect();
         assert!((0..).zip(&ticks).all(|(number, tick)| whole(&tick.content, "tick") == Some(number)));
         assert!(file.chunks >= 3 && ticks.len() > 500, "{} {}", file.chunks, ticks.len());
         // by the loops' own clock, no chunk held much more than its time
@@ -124,8 +126,8 @@ fn law_a_full_disk_ends_the_recording_and_not_the_session() {
     let output = output.unwrap();
     assert_eq!(output.status.code(), Some(0), "{output:?}");
     let summary = summary(&output);
-    for (side, file) in (1..).zip(whole) {
-        let site = &summary["sites"][usize::from(side) - 1];
+    for (side, file) in whole.iter().enumerate() {
+        let site = &summary["sites"][side];
         assert_eq!(site["recording"]["status"], "broken", "{site}");
         assert!(site["recording"]["cause"].as_str().unwrap().contains("No space left"), "{site}");
         assert!(site["coupled_share"].as_f64().unwrap() > 0.1, "{site}");

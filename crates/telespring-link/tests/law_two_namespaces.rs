@@ -14,6 +14,7 @@ use serde_json::Value;
 use telespring::session::LocalTime;
 use telespring_link::hello::{Greeting, Purpose, Terms, draw_session};
 use telespring_link::keys::{SiteId, SiteKey};
+use telespring_link::site::Limits;
 use telespring_link::transport::{Iroh, Transport};
 
 /// 20 ms ± 3 ms, 2 % of loss each way.
@@ -79,7 +80,7 @@ fn law_after_sigkill_of_either_program_the_other_force_is_zero_in_time_and_a_new
         println!("side {side}: {:?}", judge(&trace.moments, &rules()));
         assert_eq!(trace.summary.cause, Some("partner-left"), "{:#?}", trace.summary);
         assert!(trace.silences() >= 1, "{:#?}", trace.summary.events);
-        assert!(trace.has("partner-restarted", None), "{:#?}", trace.summary.events);
+        assert!(trace.count("agreed") >= 2, "{:#?}", trace.summary.events);
         let summary = summary(&output);
         assert_eq!(summary["cause"], "stop-requested", "{summary}");
         assert!(events(&summary).contains(&"engaged"), "{summary}");

@@ -31,6 +31,8 @@ __all__ = ["connect_command"]
 #: How often the screen is drawn, and lines of a file are written, s.
 _SCREEN_INTERVAL = 0.1
 _LINE_INTERVAL = 2.0
+#: Where a demonstration is recorded.
+_RECORDINGS = Path("out/connect")
 
 
 def connect_command(
@@ -79,6 +81,13 @@ def connect_command(
             help="How long. Default: 20 for --demo; until somebody leaves.",
         ),
     ] = None,
+    record: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FOLDER",
+            help="Folder for recordings. Default: out/connect for --demo; else what the site file says.",
+        ),
+    ] = None,
     as_json: Annotated[
         bool, typer.Option("--json", help="Print JSON in SI units at the end, and nothing before.")
     ] = False,
@@ -105,11 +114,17 @@ def connect_command(
         raise InvalidInput(f"--{name}", str(given[name]), "this belongs to --demo only", remedy)
     program = find_program()
     if check is not None:
+        if record is not None:
+            raise InvalidInput("--record", str(record), "a check records nothing", "Leave it out.")
         raise typer.Exit(_check(program, check, seconds, as_json=as_json))
     if seconds is not None:
         given["seconds"] = seconds
     arguments = ["demo"] if site is None else ["run", str(site)]
     arguments.append("--console")
+    folder = record if record is not None or site is not None else _RECORDINGS
+    if folder is not None:
+        folder.mkdir(parents=True, exist_ok=True)
+        arguments += ["--record", str(folder)]
     for name, value in given.items():
         arguments += [f"--{name}", str(value) if isinstance(value, str) else repr(float(value))]
     title = _title(given) if site is None else f"Site {site.name}"
@@ -208,10 +223,9 @@ def _watch_plainly(
             continue
         for event in session.since(before):
             _print_line(console, event_line(event, is_alone=len(session.sides) < 2))
-        now = time.monotonic()
         for side in session.sides.values():
-            if side.status and now - told.get(side.number, -_LINE_INTERVAL) >= _LINE_INTERVAL:
-                told[side.number] = now
+            if side.told - told.get(side.number, -_LINE_INTERVAL) >= _LINE_INTERVAL:
+                told[side.number] = side.told
                 _print_line(console, status_line(side))
         sys.stdout.flush()
 

@@ -65,23 +65,13 @@ def replay(
 
     Examples
     --------
-    A site that measured for one second and heard nobody:
-
-    >>> import numpy as np
     >>> import telespring as ts
-    >>> study = ts.Study.paper().replace(coupling={"stiffness": 60.0}, network={"delay": 0.05})
-    >>> time = 10**9 + 10**6 * np.arange(1000, dtype=np.uint64)
-    >>> still, unknown = np.zeros((1000, 2)), np.full((1000, 2), np.nan)
-    >>> site = ts.SiteRecording(
-    ...     study, side=1, session=7, silence=0.15, stall=0.02, largest_force=20.0, time=time,
-    ...     answered=time + np.uint64(200), is_given=np.ones(1000, bool), position=still, velocity=still,
-    ...     acted=unknown, target_position=unknown, target_velocity=unknown, share=still + 1.0,
-    ...     wanted=still, force=still, clock_offset=unknown[:, 0], arrival_tick=np.zeros(0, np.int64),
-    ...     arrival_time=np.zeros(0, np.uint64), datagram=np.zeros((0, 112), np.uint8),
-    ... )
-    >>> replayed = ts.replay(site, predictor="linear")
-    >>> replayed.is_reproduced, replayed.partner, replayed.sides[0].numbers.force_largest
-    (True, 'as recorded', 0.0)
+    >>> own = ts.replay("examples/session.mcap")
+    >>> own.is_reproduced, own.partner
+    (True, 'replayed')
+    >>> later = ts.replay("examples/session.mcap", playout={"kind": "fixed", "delay": 0.02}, stiffness=50.0)
+    >>> later.study.session.playout_delay, later.sides[0].recorded_numbers == own.sides[0].numbers
+    (0.02, True)
     """
     sites = _sites(session, other)
     recorded_study = sites[0].study

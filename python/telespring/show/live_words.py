@@ -22,6 +22,13 @@ _PHASES = {
     "ended": "ended",
 }
 
+#: By whether the person here consents, and the one there.
+_CONSENTS = {
+    (False, False): "waiting for both consents: press c",
+    (False, True): "waiting for the consent here: press c",
+    (True, False): "waiting for the partner's consent",
+}
+
 _CAUSES = {
     "stop-requested": "somebody or the clock ended it",
     "partner-left": "the partner left",
@@ -30,6 +37,28 @@ _CAUSES = {
     "device-not-ready": "the robot was not ready any more",
     "device-silent": "the robot fell silent",
     "device-halted": "the simulated robot could not move on",
+    "delay-refused": "the network takes longer than the imposed delay",
+    "pause-ordered": "somebody wants a pause",
+    "consent-withdrawn": "somebody took the consent back",
+    "network": "the network was bad for too long",
+    "velocity": "the handle was too fast",
+    "workspace": "the handle left its workspace",
+    "partner": "the partner let go",
+    "partner-changed": "another partner came",
+    "here": "at this side",
+    "guard": "the guard holds back",
+    "force": "the force limit",
+    "loss": "packets lost",
+    "held": "old motions held",
+    "age": "the partner's motion is old",
+    "version": "the version of the program",
+    "axes": "the number of axes",
+    "side": "who moves which robot",
+    "robots": "the robots",
+    "coupling": "stiffness or damping",
+    "sample-period": "the sample period",
+    "strategy": "strategy, predictor or play-out",
+    "study": "the rest of the study",
     "starting": "the session has just begun",
     "silence": "no packet came",
     "frozen-stamps": "the partner's clock stands still",
@@ -48,6 +77,11 @@ _EVENTS = {
     "ended": "has ended",
     "path-changed": "the way of the packets has changed, and so has their delay",
     "path-lost": "no way to the partner is left",
+    "path-direct": "packets go directly to the partner",
+    "path-relayed": "packets go through the relay",
+    "path-withheld": "only the relay is left, which may carry no packets",
+    "path-refused": "somebody unknown was refused",
+    "path-rate": "the rate of the packets has changed",
     "partner-found": "hears the partner",
     "partner-restarted": "the partner has started anew",
     "holding": "holds the force",
@@ -60,6 +94,22 @@ _EVENTS = {
     "clock-stepped": "a clock was set",
     "impossible-force": "an impossible force was not commanded",
     "recording-broken": "the recording has broken off; the session goes on",
+    "consented": "the person here consents",
+    "partner-consented": "the person there consents",
+    "consent-lost": "the consent is gone",
+    "interrupted": "the coupling is interrupted",
+    "emergency-stop": "emergency stop pressed",
+    "cleared": "the emergency stop is cleared",
+    "resumed": "wants the pause no more",
+    "order-refused": "that is not possible now",
+    "mark": "mark",
+    "offset": "the handles are apart",
+    "limiting": "the force is held back",
+    "limiting-over": "the force is whole again",
+    "softened": "bad network: the force is softened",
+    "restored": "good network: the force is whole again",
+    "network-pause": "bad network: the session pauses",
+    "delay-too-short": "the imposed delay is too short",
 }
 
 #: Causes that are numbers or ids, which say nothing to a person.
@@ -69,6 +119,7 @@ _LIMITS = {
     "strategy": "coupling holds back",
     "force": "cut at the force limit",
     "held": "old motion held",
+    "softened": "softened: bad network",
 }
 
 
@@ -79,6 +130,8 @@ def describe_phase(status: Line) -> str:
     offset = status.get("offset")
     if phase == "aligning" and isinstance(offset, int | float):
         text += f": {format_number(float(offset), 2, shift=3)} mm apart"
+    elif phase == "consenting" and status.get("consents"):
+        text = _CONSENTS.get(tuple(status["consents"]), text)
     return text
 
 
@@ -110,6 +163,8 @@ def describe_event(event: Line) -> str:
     'force ramps out: no packet came'
     """
     word, cause = str(event.get("event", "")), event.get("cause")
+    if word == "phase":
+        return describe_phase({"phase": cause})
     text = _EVENTS.get(word, _plain(word))
     if cause and word not in _SILENT_CAUSES:
         text += f": {describe_cause(str(cause))}"

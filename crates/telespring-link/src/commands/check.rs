@@ -29,7 +29,7 @@ impl Check {
             return Err(InvalidInput::new("seconds", self.seconds, "1 to 600 s", "Give 5.").into());
         }
         let file = SiteFile::read(&self.site)?;
-        let settings = SiteSettings::new(&file.study, file.side, draw_session(), file.safety)?;
+        let settings = file.site(draw_session())?;
         let report = self.report(&file, settings)?;
         print(&report);
         Ok(if report.verdict == Verdict::Failed { ExitCode::FAILURE } else { ExitCode::SUCCESS })

@@ -5,10 +5,11 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
+use telespring_link::console::Output;
 use telespring_link::demo::{self, DemoError};
 use telespring_link::settings::LoopChoice;
 
-use super::{Failure, orders, outcome, print, stop_on_signal};
+use super::{Failure, orders, outcome, print_summary, stop_on_signal};
 
 /// Runs both sides on this machine, over an emulated path, and prints a summary as JSON
 #[derive(Debug, Args)]
@@ -37,7 +38,7 @@ pub struct Demo {
     /// A delay that is imposed on the partner's motion, s; it must not be below that of the path
     #[arg(long, allow_negative_numbers = true)]
     imposed_delay: Option<f64>,
-    /// Takes orders from standard input, one per line, for both sides or, after 1 or 2, for one: consent, withdraw, pause,
+    /// Prints status, events and summary as JSON, one object per line, and takes orders from standard input, one per line, for both sides or, after 1 or 2, for one: consent, withdraw, pause,
     /// resume, stop, clear, mark KIND TEXT
     #[arg(long)]
     console: bool,
@@ -77,13 +78,15 @@ impl Demo {
             record,
             live,
         };
-        let orders = if console { orders()?.map(Some) } else { [None, None] };
-        let summary = demo.run(&stop_on_signal(), orders).map_err(|error| match error {
+        let stop = stop_on_signal();
+        let orders = if console { orders(&stop)?.map(Some) } else { [None, None] };
+        let console = console.then(Output::stdout).transpose()?;
+        let summary = demo.run(&stop, orders, console.as_ref()).map_err(|error| match error {
             DemoError::Input(refusal) => Failure::Input(refusal),
             DemoError::Conduct(error) => error.into(),
             other => Failure::Other(other.to_string()),
         })?;
-        print(&summary);
+        print_summary(&summary, console.as_ref());
         Ok(outcome(&summary.sites))
     }
 }

@@ -9,9 +9,12 @@ mod probe;
 mod relay_config;
 mod run;
 
+use std::io::Write;
+use std::os::fd::AsFd;
 use std::process::ExitCode;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use clap::{Parser, Subcommand};
 use rtrb::Consumer;
@@ -19,8 +22,12 @@ use serde::Serialize;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use telespring::InvalidInput;
 use telespring_link::conduct::ConductError;
+use telespring_link::console::Output;
 use telespring_link::operator::{self, Order};
 use telespring_link::summary::Summary;
+
+/// How long the summary waits for a reader that stalls.
+const PATIENCE: Duration = Duration::from_secs(10);
 
 /// One side of a live coupling.
 #[derive(Debug, Parser)]
@@ -79,6 +86,12 @@ enum Failure {
     Other(String),
 }
 
+impl From<std::io::Error> for Failure {
+    fn from(error: std::io::Error) -> Self {
+        Self::Other(format!("the operating system refused: {error}"))
+    }
+}
+
 impl From<ConductError> for Failure {
     fn from(error: ConductError) -> Self {
         match error {
@@ -100,10 +113,19 @@ fn stop_on_signal() -> Arc<AtomicBool> {
     stop
 }
 
-/// The orders from standard input, for each of `N` sides.
-fn orders<const N: usize>() -> Result<[Consumer<Order>; N], Failure> {
-    let lines = std::io::BufReader::new(std::io::stdin());
-    let (_, orders) = operator::listen(lines).map_err(|error| Failure::Other(error.to_string()))?;
+/// The orders from standard input, for each of `N` sides. The end of an input that a program writes sets `stop`: whoever
+/// watched the session is gone then.
+fn orders<const N: usize>(stop: &Arc<AtomicBool>) -> Result<[Consumer<Order>; N], Failure> {
+    let (listener, orders) = operator::listen(std::io::BufReader::new(std::io::stdin()))?;
+    if is_written_by_program(&std::io::stdin()) {
+        let stop = Arc::clone(stop);
+        let wait = move || {
+            // whether it ended or broke off, nobody is heard any more
+            let _ = listener.join();
+            stop.store(true, Ordering::Relaxed);
+        };
+        std::thread::Builder::new().name("input".to_owned()).spawn(wait)?;
+    }
     Ok(orders)
 }
 
@@ -115,9 +137,24 @@ fn outcome<'a>(sides: impl IntoIterator<Item = &'a Summary>) -> ExitCode {
     if fine { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
-fn print(summary: &impl Serialize) {
-    match serde_json::to_string_pretty(summary) {
-        Ok(text) => println!("{text}"),
-        Err(error) => eprintln!("the summary cannot be written: {error}"),
+/// Prints the summary of a session, as the last line of the console if there is one.
+fn print_summary(summary: &impl Serialize, console: Option<&Output>) {
+    match console {
+        Some(output) => output.write("summary", summary, PATIENCE),
+        None => print(summary),
     }
+}
+
+fn print(content: &impl Serialize) {
+    let text = serde_json::to_string_pretty(content).map_err(std::io::Error::from);
+    // whoever read it may have left
+    if let Err(error) = text.and_then(|text| writeln!(std::io::stdout(), "{text}")) {
+        eprintln!("the output cannot be written: {error}");
+    }
+}
+
+/// Whether an input is a pipe or a socket. A terminal, a file and nothing at all have an end that means nothing.
+fn is_written_by_program(input: &impl AsFd) -> bool {
+    let kind = rustix::fs::fstat(input).map(|state| rustix::fs::FileType::from_raw_mode(state.st_mode));
+    matches!(kind, Ok(rustix::fs::FileType::Fifo | rustix::fs::FileType::Socket))
 }

@@ -6,6 +6,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use telespring_link::conduct::{Plan, conduct};
+use telespring_link::console::{Console, Output};
 use telespring_link::feed::Observer;
 use telespring_link::hello::draw_session;
 use telespring_link::real_time::Limits;
@@ -13,7 +14,7 @@ use telespring_link::record::Facts;
 use telespring_link::record::live::LiveServer;
 use telespring_link::settings::{SiteFile, check_duration};
 
-use super::{Failure, orders, outcome, parts, print, stop_on_signal};
+use super::{Failure, orders, outcome, parts, print_summary, stop_on_signal};
 
 /// Runs the site of a file until the partner leaves, Ctrl-C, or the time is over, and prints a summary as JSON
 #[derive(Debug, Args)]
@@ -23,7 +24,7 @@ pub struct Run {
     /// How long the session takes at most, s
     #[arg(long, allow_negative_numbers = true)]
     seconds: Option<f64>,
-    /// Takes orders from standard input, one per line: consent, withdraw, pause, resume, stop, clear, mark KIND TEXT
+    /// Prints status, events and summary as JSON, one object per line, and takes orders from standard input, one per line: consent, withdraw, pause, resume, stop, clear, mark KIND TEXT
     #[arg(long)]
     console: bool,
     /// The folder for a recording
@@ -48,7 +49,8 @@ impl Run {
         if let Some(choice) = &file.telemetry {
             observers.push(parts::telemetry(choice, &settings.terms)?);
         }
-        let [orders] = if self.console { orders()?.map(Some) } else { [None] };
+        let stop = stop_on_signal();
+        let [orders] = if self.console { orders(&stop)?.map(Some) } else { [None] };
         let server = match (self.live, file.live) {
             (Some(address), _) => Some(LiveServer::start("--live", address)?),
             (None, Some(address)) => Some(LiveServer::start("live.address", address)?),
@@ -59,6 +61,10 @@ impl Run {
             (None, Some(folder)) => Some(("recording.folder", folder)),
             (None, None) => None,
         };
+        let console = self.console.then(Output::stdout).transpose()?;
+        if let Some(output) = &console {
+            observers.push(Box::new(Console::new(output.clone(), file.side)));
+        }
         let plan = Plan {
             real_time: file.real_time,
             limits: Limits { duration },
@@ -67,8 +73,8 @@ impl Run {
             ..Plan::default()
         };
         let plan = plan.watched(&facts, folder, server.as_ref())?;
-        let summary = conduct(settings, device, transport, plan, &stop_on_signal(), |_| {})?;
-        print(&summary);
+        let summary = conduct(settings, device, transport, plan, &stop, |_| {})?;
+        print_summary(&summary, console.as_ref());
         Ok(outcome([&summary]))
     }
 }

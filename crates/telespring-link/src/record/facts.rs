@@ -53,8 +53,13 @@ impl Facts {
             ("study", study.name().to_owned()),
         ]);
         let Safety { silence, stall, ramp_out } = settings.safety;
+        let limits = settings.limits;
         let safety = record([
-            ("force", settings.limits.force.to_string()),
+            ("force", limits.force.to_string()),
+            ("velocity", limits.velocity.to_string()),
+            ("scale", limits.scale.to_string()),
+            ("lock_x", limits.lock[0].to_string()),
+            ("lock_y", limits.lock[1].to_string()),
             ("silence_ns", silence.0.to_string()),
             ("stall_ns", stall.0.to_string()),
             ("ramp_out_ns", ramp_out.0.to_string()),

@@ -96,11 +96,15 @@ pub struct Tick {
     pub packets_late: u64,
     pub held_ticks: u64,
     pub unrecorded_arrivals: u64,
+    pub is_timed: bool,
+    pub share: f64,
+    pub handle_offset: Option<Pair>,
+    pub overruns: u64,
 }
 
 impl Tick {
     /// The message of a tick.
-    pub fn new(moment: &Moment, lateness: Span, duration: Span) -> Self {
+    pub fn new(moment: &Moment, lateness: Span, duration: Span, overruns: u64) -> Self {
         let site::Latency { device, control, network, playout } = moment.latency(lateness);
         let session = &moment.session;
         let used = moment.used_partner();
@@ -161,6 +165,10 @@ impl Tick {
             packets_late: session.playout.late,
             held_ticks: session.playout.held_ticks,
             unrecorded_arrivals: moment.unnoted_arrivals,
+            is_timed: moment.is_timed,
+            share: moment.share,
+            handle_offset: moment.offset.map(Into::into),
+            overruns,
         }
     }
 }

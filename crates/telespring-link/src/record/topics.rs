@@ -83,8 +83,8 @@ impl Topics {
         let time = time_of(item);
         self.latest = self.latest.max(time);
         match item {
-            Item::Tick { moment, lateness, duration, .. } => {
-                let tick = Tick::new(moment, *lateness, *duration);
+            Item::Tick { moment, lateness, duration, overruns } => {
+                let tick = Tick::new(moment, *lateness, *duration, *overruns);
                 self.tick.log_with_meta(&tick, self.date(time));
                 self.show(&tick);
             }

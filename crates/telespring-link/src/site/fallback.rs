@@ -19,9 +19,9 @@ const GOOD: f64 = 0.5;
 /// When a network is bad, and what happens then.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fallback {
-    /// The largest share of packets lost within a second.
+    /// The largest share of packets lost within a second; 1 to pass over losses.
     pub loss: f64,
-    /// The largest share of ticks within a second at which an old motion was held.
+    /// The largest share of ticks within a second at which an old motion was held; 1 to pass over it.
     pub held: f64,
     /// The largest age of the partner's motion in use, s.
     pub age: f64,
@@ -222,12 +222,13 @@ impl Watch {
     /// How far the worst of all is beyond its limit, as a ratio, and what it is.
     fn excess(&self, [loss, held]: [f64; 2], age: f64, is_silent: bool) -> (f64, Badness) {
         let Fallback { loss: most_lost, held: most_held, age: oldest, .. } = self.settings;
-        let ratio = |value: f64, most: f64| if value > 0.0 { value / most } else { 0.0 };
+        // a share of 1 is never exceeded
+        let ratio = |value: f64, most: f64| if value > 0.0 && most < 1.0 { value / most } else { 0.0 };
         let all = [
             (if is_silent { 2.0 } else { 0.0 }, Badness::Silence),
             (ratio(loss, most_lost), Badness::Loss),
             (ratio(held, most_held), Badness::Held),
-            (ratio(age, oldest), Badness::Age),
+            (age / oldest, Badness::Age),
         ];
         all.into_iter().fold((0.0, Badness::Loss), |worst, one| if one.0 > worst.0 { one } else { worst })
     }

@@ -175,7 +175,10 @@ impl<D: Device, T: Transport> Site<D, T> {
         self.judge(now);
         match &reading {
             Some(reading) if self.coupling != Coupling::Off => self.measure(now, reading),
-            _ if self.coupling == Coupling::Off && !self.is_resting() => self.endpoint.handle_timeout(now),
+            _ if self.coupling == Coupling::Off && !self.is_resting() => {
+                self.notes.is_timed = true;
+                self.endpoint.handle_timeout(now);
+            }
             _ => {}
         }
         self.greet(now);
@@ -305,6 +308,7 @@ impl<D: Device, T: Transport> Site<D, T> {
             stamp: reading.and_then(|reading| reading.stamp),
             device_delay,
             is_measured: self.notes.is_measured,
+            is_timed: self.notes.is_timed,
             forces: Forces { measured, ..self.notes.forces },
             asked: self.notes.asked,
             newest: self.notes.newest,
@@ -314,6 +318,7 @@ impl<D: Device, T: Transport> Site<D, T> {
             offset: self.offset.filter(|_| !is_coupled),
             consents: [self.accord.own.has_consented, self.accord.partner_consents()],
             share: self.share(now),
+            is_cut: self.gate.was_cut(),
         };
         self.tally.cut_ticks += u64::from(self.gate.was_cut());
         self.tally.softened_ticks += u64::from(is_coupled && self.watch.share() < 1.0);

@@ -38,12 +38,16 @@ pub struct Moment {
     pub consents: [bool; 2],
     /// The share of the force that acts: below 1 while it is softened or let down.
     pub share: f64,
+    /// Whether the force was cut to its limit.
+    pub is_cut: bool,
     /// The device's stamp of its newest measurement.
     pub stamp: Option<Stamp>,
     /// How much longer than ever the motion took from the device to the tick, s.
     pub device_delay: Option<f64>,
     /// Whether the endpoint was given the motion, and the target if there is one.
     pub is_measured: bool,
+    /// Whether the endpoint was told the time alone, with no motion: its force falls to zero after a coupling.
+    pub is_timed: bool,
     /// The forces beside the commanded one.
     pub forces: Forces,
     /// When the endpoint was asked for its force; `None` if it was not.
@@ -63,6 +67,13 @@ impl Moment {
     pub fn used_partner(&self) -> Option<PartnerView> {
         // while the endpoint is not asked, its view of the partner is that of an earlier time
         self.asked.and(self.session.partner)
+    }
+
+    /// From the handle to the target while the session runs, m.
+    pub fn distance(&self) -> Option<f64> {
+        let (motion, target) = self.motion.zip(self.target).filter(|_| self.phase.is_coupled())?;
+        let [x, y] = [0, 1].map(|axis| motion.position[axis] - target.position[axis]);
+        Some(x.hypot(y))
     }
 
     /// Where the time went, of a tick that began `lateness` after it was due.
@@ -130,9 +141,8 @@ impl Tally {
         if moment.phase.is_coupled() {
             self.coupled_ticks += 1;
             self.unmeasured_ticks += u64::from(moment.motion.is_none());
-            if let (Some(motion), Some(target)) = (moment.motion, moment.target) {
-                let [dx, dy] = [0, 1].map(|axis| motion.position[axis] - target.position[axis]);
-                self.distance = (self.distance.0 + dx.hypot(dy), self.distance.1 + 1);
+            if let Some(distance) = moment.distance() {
+                self.distance = (self.distance.0 + distance, self.distance.1 + 1);
             }
         }
     }

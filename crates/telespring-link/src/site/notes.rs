@@ -59,6 +59,8 @@ pub(super) struct Notes {
     pub(super) tick: u64,
     /// Whether the endpoint was given the motion of this tick.
     pub(super) is_measured: bool,
+    /// Whether it was told the time alone.
+    pub(super) is_timed: bool,
     pub(super) forces: Forces,
     /// When the endpoint was asked for the force of this tick.
     pub(super) asked: Option<LocalTime>,
@@ -77,6 +79,7 @@ impl Notes {
         Self {
             tick: 0,
             is_measured: false,
+            is_timed: false,
             forces: Forces::default(),
             asked: None,
             newest: None,
@@ -89,7 +92,8 @@ impl Notes {
 
     /// The next tick begins.
     pub(super) fn begin(&mut self) {
-        (self.is_measured, self.forces, self.asked) = (false, Forces::default(), None);
+        (self.is_measured, self.is_timed) = (false, false);
+        (self.forces, self.asked) = (Forces::default(), None);
         self.arrivals.clear();
         self.allowance = self.allowance.saturating_add(NOTED_PER_TICK).min(MOST_NOTED);
     }

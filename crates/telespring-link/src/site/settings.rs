@@ -104,7 +104,10 @@ impl Rules {
         let stated = (delay.forward() + here).max(delay.backward() + there).max(imposed_delay.unwrap_or(0.0));
         let age = (2.0 * stated + 0.05).min(60.0);
         let usual = Self::default();
-        Ok(Self { imposed_delay, fallback: Fallback { age, ..usual.fallback }, ..usual })
+        // a fixed play-out that waits for nothing more than the network's delay holds a motion at every second tick
+        let waits = imposed_delay.is_some() || matches!(study.session().playout, PlayoutDesign::Adaptive(_));
+        let held = if waits { usual.fallback.held } else { 1.0 };
+        Ok(Self { imposed_delay, fallback: Fallback { age, held, ..usual.fallback }, ..usual })
     }
 
     /// Checks the values.

@@ -12,6 +12,7 @@ use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, UdpSocket};
 use crate::feed::{Item, Observer};
 use crate::hello::Terms;
 use crate::settings::TelemetryChoice;
+use crate::site::Happened;
 use crate::summary::Summary;
 use row::Frame;
 
@@ -50,13 +51,9 @@ impl Telemetry {
         Ok(Self { ends: ends.collect::<Result<_, Error>>()?, every, frame, ticks: 0, unsent: 0 })
     }
 
-    fn send(&mut self, row: &[f64; VALUES]) {
-        let mut bytes = [0; 8 * VALUES];
-        for (place, value) in bytes.chunks_exact_mut(8).zip(row) {
-            place.copy_from_slice(&value.to_le_bytes());
-        }
+    fn send(&mut self, datagram: &[u8]) {
         for (socket, address) in &self.ends {
-            match socket.send_to(&bytes, *address) {
+            match socket.send_to(datagram, *address) {
                 Ok(_) => {}
                 // nobody listens there, or not yet
                 Err(error) if error.kind() == ErrorKind::ConnectionRefused => {}
@@ -83,14 +80,23 @@ impl Observer for Telemetry {
     }
 
     fn take(&mut self, item: &Item) {
-        let Item::Tick { moment, lateness, .. } = item else { return };
+        let (moment, lateness) = match item {
+            Item::Tick { moment, lateness, .. } => (moment, lateness),
+            Item::Event { time, happened: Happened::Mark(mark) } => {
+                let (kind, text) = (mark.kind.word(), mark.label.text());
+                self.send(format!("mark {:.9} {kind} {text}", time.seconds()).as_bytes());
+                return;
+            }
+            Item::Event { .. } | Item::Arrival(_) => return,
+        };
         self.frame.motion = moment.motion.or(self.frame.motion);
         let is_due = self.ticks.is_multiple_of(self.every);
         self.ticks += 1;
         if is_due {
             self.frame.sequence += 1;
             let row = self.frame.row(moment, *lateness);
-            self.send(&row);
+            let bytes: Vec<u8> = row.iter().flat_map(|value| value.to_le_bytes()).collect();
+            self.send(&bytes);
         }
     }
 
@@ -112,6 +118,7 @@ mod tests {
 
     use super::row::tests::moment;
     use super::*;
+    use crate::operator::{Mark, MarkKind};
 
     #[test]
     fn law_every_listener_gets_the_rows_that_are_due() {
@@ -124,12 +131,8 @@ mod tests {
         telemetry.take(&Item::Event { time: LocalTime(0), happened: crate::site::Happened::Restored });
         telemetry.miss(5);
         for _ in 0..7 {
-            telemetry.take(&Item::Tick {
-                moment: moment(),
-                lateness: Span(0),
-                duration: Span(0),
-                overruns: 0,
-            });
+            let (lateness, duration) = (Span(0), Span(0));
+            telemetry.take(&Item::Tick { moment: moment(), lateness, duration, overruns: 0 });
         }
         for listener in listeners {
             listener.set_read_timeout(Some(std::time::Duration::from_secs(5))).unwrap();
@@ -144,5 +147,26 @@ mod tests {
             assert!(listener.recv(&mut room).is_err());
         }
         assert_eq!(telemetry.unsent, 0);
+    }
+
+    #[test]
+    fn law_a_marker_is_sent_as_text() {
+        let listener = UdpSocket::bind("127.0.0.1:0").unwrap();
+        let choice = TelemetryChoice { addresses: vec![listener.local_addr().unwrap()], every: 1 };
+        let mut telemetry = Telemetry::new(&choice, &Terms::new(&Study::paper(), 1).unwrap()).unwrap();
+        for (kind, text) in [(MarkKind::Trial, "7 with eyes closed"), (MarkKind::Participant, "P03")] {
+            let mark = Mark::new(kind, text).unwrap();
+            telemetry.take(&Item::Event { time: LocalTime(2_500_000_001), happened: Happened::Mark(mark) });
+            listener.set_read_timeout(Some(std::time::Duration::from_secs(5))).unwrap();
+            let mut room = [0; 1000];
+            let length = listener.recv(&mut room).unwrap();
+            let said = format!("mark 2.500000001 {} {text}", kind.word());
+            assert_eq!(std::str::from_utf8(&room[..length]).unwrap(), said);
+        }
+        // the page says so, and a reader of rows takes it for none
+        assert!(
+            include_str!("../../../../docs/telemetry.md")
+                .contains("`mark 2.500000001 trial 7 with eyes closed`")
+        );
     }
 }

@@ -170,6 +170,7 @@ pub(super) mod tests {
             stamp: None,
             device_delay: Some(20.0),
             is_measured: true,
+            is_timed: false,
             forces: Forces { measured: Some([21.0, 22.0]), ..Forces::default() },
             asked: Some(LocalTime(2_500_050_000)),
             newest: Some(Newest { arrival: LocalTime(2_000_000_000), packet }),
@@ -187,6 +188,7 @@ pub(super) mod tests {
             offset: None,
             consents: [true; 2],
             share: 1.0,
+            is_cut: false,
         }
     }
 

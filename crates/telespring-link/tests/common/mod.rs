@@ -170,7 +170,8 @@ type Adjust = Rc<dyn Fn(SiteSettings) -> SiteSettings>;
 pub fn anywhere(settings: SiteSettings) -> SiteSettings {
     let long = Span(600_000_000_000);
     let fallback = Fallback { softened: 1.0, patience: long, silence: long, ..Fallback::default() };
-    let rules = Rules { consent: Consent::Automatic, alignment: 10.0, rest: 10.0, fallback, ..settings.rules };
+    let rules =
+        Rules { consent: Consent::Automatic, alignment: 10.0, rest: 10.0, fallback, ..settings.rules };
     SiteSettings { rules, limits: Limits { velocity: 100.0, ..settings.limits }, ..settings }
 }
 

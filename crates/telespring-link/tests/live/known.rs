@@ -4,6 +4,7 @@ use std::fs;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
+use telespring::session::Span;
 use telespring_link::keys::SiteKey;
 use telespring_link::transport::{Iroh, IrohSettings};
 
@@ -18,6 +19,8 @@ pub const PORT: u16 = 4500;
 pub struct Known {
     pub joined: Joined,
     pub settings: [IrohSettings; 2],
+    /// A partner that is silent for longer leads to a pause.
+    pub silence: Span,
     /// Keys and site files.
     folder: PathBuf,
 }
@@ -40,7 +43,7 @@ impl Known {
             relayed: false,
             priority: None,
         });
-        Some(Self { joined, settings, folder })
+        Some(Self { joined, settings, silence: Span(600_000_000_000), folder })
     }
 
     pub fn path(&self) -> &Path {
@@ -50,7 +53,7 @@ impl Known {
     /// Starts the site of side 0 or 1 on a thread.
     pub fn start(&self, side: usize) -> Live {
         let settings = self.settings[side].clone();
-        Live::start(&self.joined, side, STUDY, move || Iroh::new(&settings).unwrap())
+        Live::start(&self.joined, side, STUDY, self.silence, move || Iroh::new(&settings).unwrap())
     }
 
     /// Both on threads, engaged.
@@ -66,10 +69,13 @@ impl Known {
         let text = format!(
             "study = \"study.toml\"\nside = {number}\n\n\
              [network]\ntransport = \"iroh\"\nkey = \"{side}.key\"\npeer_id = \"{}\"\npeer = \"{}\"\nlocal = \"{}\"\n\n\
-             [safety]\nstall = 0.1\n\n[loop]\npriority = 10\nlock_memory = false\n",
+             [safety]\nstall = 0.1\n\n[session]\nalignment = 10.0\nrest = 10.0\n\n\
+             [fallback]\nloss = 1.0\nheld = 1.0\nage = 60.0\nsoftened = 1.0\nsilence = {}\n\n\
+             [loop]\npriority = 10\nlock_memory = false\n",
             self.settings[side].peer_ids[0],
             at(1 - side, PORT),
             at(side, PORT),
+            self.silence.seconds(),
         );
         let site = self.folder.join(format!("site-{number}.toml"));
         fs::write(&site, text).unwrap();

@@ -10,11 +10,13 @@ use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use rtrb::{Producer, RingBuffer};
 use telespring::session::{Span, WatchdogState};
 use telespring::study::Study;
 use telespring_link::conduct::{Plan, conduct};
 use telespring_link::device::Simulated;
 use telespring_link::hello::draw_session;
+use telespring_link::operator::Order;
 use telespring_link::real_time::Limits;
 use telespring_link::settings::{LoopChoice, PaceChoice};
 use telespring_link::site::{Consent, Fallback, Moment, Phase, Rules, Safety, SiteSettings};
@@ -32,12 +34,12 @@ pub const SAFETY: Safety =
     Safety { silence: Span(150_000_000), stall: Span(100_000_000), ramp_out: Span(100_000_000) };
 /// Stiffness of the spring, N/m: above what the paper's robots bear without a guard at 20 ms with losses.
 pub const STIFFNESS: f64 = 142.0;
-/// Two sites that are coupled wherever their handles are, and go on however bad the network is: here the endpoint and its
-/// transport are judged.
-pub fn rules() -> Rules {
-    let long = Span(600_000_000_000);
-    let fallback = Fallback { softened: 1.0, patience: long, silence: long, ..Fallback::default() };
-    Rules { alignment: 10.0, rest: 10.0, fallback, ..Rules::default() }
+/// Two sites that are coupled wherever their handles are, and go on however bad the network is, unless the partner is silent for
+/// this long: here the endpoint and its transport are judged.
+fn rules(silence: Span) -> Rules {
+    let fallback =
+        Fallback { loss: 1.0, held: 1.0, age: 60.0, softened: 1.0, silence, ..Fallback::default() };
+    Rules { consent: Consent::Automatic, alignment: 10.0, rest: 10.0, fallback, ..Rules::default() }
 }
 
 /// No test waits longer for anything.
@@ -89,6 +91,7 @@ impl Progress {
 pub struct Live {
     side: usize,
     progress: Arc<Progress>,
+    operator: Mutex<Producer<Order>>,
     thread: Option<JoinHandle<Option<Summary>>>,
 }
 
@@ -104,6 +107,11 @@ impl Trace {
     pub fn has(&self, event: &str, cause: Option<&str>) -> bool {
         let mut events = self.summary.events.iter();
         events.any(|entry| entry.event == event && (cause.is_none() || entry.cause.as_deref() == cause))
+    }
+
+    /// How often such an event is on record.
+    pub fn count(&self, event: &str) -> usize {
+        self.summary.events.iter().filter(|entry| entry.event == event).count()
     }
 
     /// How often a silence took the force, in the order that it has to be, and the force came back or the session was left.
@@ -139,27 +147,28 @@ impl Live {
         joined: &Joined,
         side: usize,
         study: &str,
+        silence: Span,
         link: impl FnOnce() -> T + Send + 'static,
     ) -> Self {
         let progress = Arc::new(Progress::default());
         let namespace = joined.namespaces[side].clone();
         let study = Study::from_toml(study).unwrap();
         let of_thread = Arc::clone(&progress);
+        let (operator, orders) = RingBuffer::new(16);
         let site = move || {
             namespace.enter();
             let number = u8::try_from(side).unwrap() + 1;
             let device = Simulated::new(&study.laboratory().unwrap(), side, 3).unwrap();
             let settings = SiteSettings::new(&study, number, draw_session(), SAFETY).unwrap();
-            let settings =
-                SiteSettings { rules: Rules { consent: Consent::Automatic, ..rules() }, ..settings };
+            let settings = SiteSettings { rules: rules(silence), ..settings };
             let limits = Limits { duration: Some(Span::from_seconds(120.0)) };
-            let plan = Plan { real_time: PRIORITY, limits, ..Plan::default() };
+            let plan = Plan { real_time: PRIORITY, limits, orders: Some(orders), ..Plan::default() };
             let watch = |moment: &Moment| of_thread.note(moment);
             let run = || conduct(settings, device, link(), plan, &of_thread.stop, watch).unwrap();
             catch_unwind(AssertUnwindSafe(run)).ok()
         };
         let thread = std::thread::Builder::new().name(format!("site {}", side + 1)).spawn(site).unwrap();
-        Self { side, progress, thread: Some(thread) }
+        Self { side, progress, operator: Mutex::new(operator), thread: Some(thread) }
     }
 
     /// Waits for something, and gives up loudly.
@@ -187,6 +196,11 @@ impl Live {
     /// Waits until the force has been zero for this many ticks.
     pub fn wait_idle(&self, ticks: u64) {
         self.wait("no force", || self.progress.idle.load(Ordering::Relaxed) >= ticks);
+    }
+
+    /// Gives an order, as the person at the site does.
+    pub fn order(&self, order: Order) {
+        self.operator.lock().unwrap().push(order).unwrap();
     }
 
     /// Lets the site leave, and waits for its end.

@@ -2,7 +2,9 @@
 
 use telespring::rig::replay::{RecordedArrival, RecordedSite, RecordedTick};
 use telespring::rig::{Channel, JitterDistribution, NetworkModel, SimulatedRobot};
-use telespring::session::{Endpoint, EndpointSettings, Event, LocalTime, Motion, Span, WatchdogSettings};
+use telespring::session::{
+    Endpoint, EndpointSettings, Event, LocalTime, Motion, Span, WatchdogSettings, WatchdogState,
+};
 use telespring::study::Study;
 
 pub const PERIOD: Span = Span(1_000_000);
@@ -78,7 +80,10 @@ pub fn live(study: &Study, ticks: usize, mover: &Mover<'_>) -> [Side; 2] {
                 }
             };
             // now and then the device is silent, or speaks nonsense
+            // the sites part for a while, as in a pause
+            let is_coupled = !(1600..1800).contains(&tick);
             let motion = match (mover, tick % 977) {
+                _ if !is_coupled => None,
                 (Mover::Script(_), _) => motion,
                 (_, 400) => None,
                 (_, 800) => Some(Motion { position: [f64::NAN; 2], velocity: [0.0; 2] }),
@@ -100,6 +105,9 @@ pub fn live(study: &Study, ticks: usize, mover: &Mover<'_>) -> [Side; 2] {
                     towards[1 - side].send(LocalTime(now), packet);
                 }
             }
+            if !is_coupled && !matches!(endpoint.state(), WatchdogState::Disengaged { .. }) {
+                endpoint.handle_timeout(local(now));
+            }
             let mut then = now;
             while let Some(datagram) = towards[side].deliver(LocalTime(now)) {
                 then += 700;
@@ -112,18 +120,20 @@ pub fn live(study: &Study, ticks: usize, mover: &Mover<'_>) -> [Side; 2] {
                 let _ = endpoint.handle_datagram(local(then), &[7; 112]);
                 given[side].1.push(RecordedArrival { tick, time: local(then), datagram: [7; 112] });
             }
-            let answered = local(then + 11_111);
-            let wanted = endpoint.force(answered);
+            let answered = is_coupled.then(|| local(then + 11_111));
+            let wanted = answered.map_or([0.0; 2], |answered| endpoint.force(answered));
             let left = (ticks - tick).min(100) as f64 / 100.0;
             let scaled = wanted.map(|force| force * left);
             let size = scaled[0].hypot(scaled[1]);
             let force = if size > LARGEST { scaled.map(|force| force * (LARGEST / size)) } else { scaled };
-            passed[side] = [(force, force == wanted), passed[side][0]];
+            passed[side] = match is_coupled {
+                true => [(force, force == wanted), passed[side][0]],
+                false => [([0.0; 2], false); 2],
+            };
             if let Mover::Robots = mover {
                 robots[side].advance(time, force, 1e-3).unwrap();
             }
             let target = target.filter(|_| motion.is_some());
-            let answered = Some(answered);
             given[side].0.push(RecordedTick {
                 time: local(now),
                 motion,
@@ -133,7 +143,7 @@ pub fn live(study: &Study, ticks: usize, mover: &Mover<'_>) -> [Side; 2] {
                 share: [left; 2],
             });
             forces[side].push([wanted, force]);
-            ages[side].push(endpoint.partner_age());
+            ages[side].push(endpoint.partner_age().filter(|_| is_coupled));
             events[side].extend(std::iter::from_fn(|| endpoint.poll_event()));
         }
     }

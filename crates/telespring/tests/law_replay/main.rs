@@ -10,7 +10,7 @@ use telespring::rig::replay::{
 use telespring::session::{EventKind, LocalTime, Motion, Packet};
 use telespring::study::Study;
 
-const TICKS: usize = 2500;
+const TICKS: usize = 2900;
 
 /// Every strategy, every predictor and both play-outs, a computing tick, and a coupling damper.
 const SESSIONS_OF_STUDIES: [&str; 13] = [

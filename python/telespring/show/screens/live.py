@@ -59,7 +59,8 @@ def _table(sides: Sequence[Side], now: float) -> Table:
     for name, write in _ROWS:
         cells = []
         for side in sides:
-            if name == "state" and now - side.told > _SILENT:
+            is_silent = now - side.told > _SILENT and side.status.get("phase") != "ended"
+            if name == "state" and is_silent:
                 cells.append(Text(f"no word for {now - side.told:.0f} s", style="bold red"))
             else:
                 cells.append(write(side.status))

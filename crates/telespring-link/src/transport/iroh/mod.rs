@@ -159,3 +159,31 @@ impl Drop for Iroh {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn law_packets_are_left_out_evenly_and_greetings_never() {
+        let mut site = Iroh::new(&IrohSettings {
+            key: SiteKey::generate(),
+            peer_ids: vec![SiteKey::generate().id()],
+            peers: Vec::new(),
+            local: vec![SocketAddr::from(([127, 0, 0, 1], 0))],
+            relay: None,
+            relayed: false,
+            priority: None,
+        })
+        .unwrap();
+        let greeting = [&hello::MAGIC[..], &[1; 108]].concat();
+        for every in [1, 2, 4] {
+            site.shared.set_every(every);
+            let due: Vec<bool> = (0..100).map(|_| site.is_due(&[7; 112])).collect();
+            for some in due.chunks(usize::from(every)) {
+                assert_eq!(some.iter().filter(|is_due| **is_due).count(), 1, "{every}");
+            }
+            assert!((0..100).all(|_| site.is_due(&greeting)));
+        }
+    }
+}

@@ -123,7 +123,7 @@ async fn live(settings: &IrohSettings, endpoint: &Endpoint, ear: Ear, ends: Ends
     ));
     let dialling =
         tokio::task::spawn_local(dial(endpoint.clone(), settings.clone(), Rc::clone(&links), established));
-    let mut supervisor = Supervisor::new(settings.relayed, Arc::clone(&shared));
+    let mut supervisor = Supervisor::new(settings, Arc::clone(&shared));
     let mut look = tokio::time::interval(LOOK);
     look.set_missed_tick_behavior(MissedTickBehavior::Delay);
     loop {
@@ -155,8 +155,7 @@ async fn live(settings: &IrohSettings, endpoint: &Endpoint, ear: Ear, ends: Ends
 async fn forward(outbox: &mut Consumer<Packet>, links: &Links, supervisor: &Supervisor) {
     let connection = links.current();
     // at each send: a path may have become another since the last look
-    let way = connection.as_ref().map_or(Way::None, |connection| supervisor.way(connection));
-    let connection = connection.filter(|_| matches!(way, Way::Direct | Way::Relayed));
+    let connection = connection.filter(|connection| supervisor.may_send(connection));
     while let Ok(packet) = outbox.pop() {
         let taken = connection.as_ref().is_some_and(|connection| {
             connection.send_datagram(Bytes::copy_from_slice(packet.bytes())).is_ok()
@@ -218,6 +217,7 @@ async fn alive(links: &Links) {
 
 /// Watches the path: which way it goes, what gets lost on it, how long it takes.
 struct Supervisor {
+    has_relay: bool,
     is_relayed_allowed: bool,
     shared: Arc<Shared>,
     start: Instant,
@@ -229,9 +229,21 @@ struct Supervisor {
 }
 
 impl Supervisor {
-    fn new(is_relayed_allowed: bool, shared: Arc<Shared>) -> Self {
-        let (rate, start) = (RateCap::default(), Instant::now());
-        Self { is_relayed_allowed, shared, start, rate, path: None, counted: Outcome::default() }
+    fn new(settings: &IrohSettings, shared: Arc<Shared>) -> Self {
+        Self {
+            has_relay: settings.relay.is_some(),
+            is_relayed_allowed: settings.relayed,
+            shared,
+            start: Instant::now(),
+            rate: RateCap::default(),
+            path: None,
+            counted: Outcome::default(),
+        }
+    }
+
+    /// Whether a datagram that is sent now takes a way that this site allows.
+    fn may_send(&self, connection: &Connection) -> bool {
+        !self.has_relay || self.is_relayed_allowed || self.way(connection) == Way::Direct
     }
 
     /// The way that a datagram would take now.

@@ -81,6 +81,7 @@ pub fn replay_site(settings: ReplaySettings, recording: &RecordedSite) -> Result
 pub(super) struct RunningReplay<'a> {
     recording: &'a RecordedSite,
     endpoint: Endpoint,
+    is_watched: bool,
     acted: Acted,
     gate: Gate,
     /// The tick that is under way, whether it has been measured, and the next arrival.
@@ -110,6 +111,7 @@ impl<'a> RunningReplay<'a> {
         Ok(Self {
             recording,
             gate: Gate::new(largest_force, endpoint.computing_tick),
+            is_watched: endpoint.watchdog.is_some(),
             endpoint: Endpoint::new(endpoint)?,
             acted,
             tick: 0,
@@ -166,7 +168,14 @@ impl<'a> RunningReplay<'a> {
 
     /// What the site does at the beginning of a tick.
     fn measure(&mut self, tick: &RecordedTick) {
-        let Some(motion) = tick.motion else { return };
+        let Some(motion) = tick.motion else {
+            let is_resting = matches!(self.endpoint.state(), WatchdogState::Disengaged { .. });
+            if tick.answered.is_none() && self.is_watched && !is_resting {
+                // a site that is not coupled lets the watchdog of its endpoint go on until it rests
+                self.endpoint.handle_timeout(tick.time);
+            }
+            return;
+        };
         let acted = match self.acted {
             Acted::Recorded => tick.acted,
             Acted::Replayed => self.gate.acted(),

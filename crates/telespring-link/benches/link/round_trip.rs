@@ -1,22 +1,21 @@
 //! The round trip of a packet between two sites on this machine, 1000 times per second, over raw UDP and over iroh in turns.
 //!
-//! `cargo run --release -p telespring-link --example round_trip [SECONDS] [ROUNDS]` prints one line of JSON: half of the round
-//! trips and 99 of 100 took no longer than this, in µs, the median over the rounds; and the ratios. The answering side polls,
-//! as a loop does, but every 20 µs, so that the tick of a loop does not hide the transport.
+//! Both sides look for packets every 20 µs, so that the transport shows and not a tick.
 
 use std::net::UdpSocket;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
+use super::{Failure, median};
 use telespring::session::{LocalTime, Span};
 use telespring_link::clock::{Clock, MonotonicClock};
 use telespring_link::keys::SiteKey;
 use telespring_link::transport::{Iroh, IrohSettings, ROOM, Transport, Udp};
 
-const POLL: Span = Span(20_000);
 const PERIOD: Span = Span(1_000_000);
+/// From one look to the next.
+const POLL: Span = Span(20_000);
 const CLOCK: MonotonicClock = MonotonicClock;
 
-type Failure = Box<dyn std::error::Error>;
 type Site = Box<dyn Transport + Send>;
 
 fn sites(kind: &str) -> Result<[Site; 2], Failure> {
@@ -47,8 +46,8 @@ fn sites(kind: &str) -> Result<[Site; 2], Failure> {
     Ok(sites)
 }
 
-/// Half of the round trips, and 99 of 100, s; and the share that came back.
-fn measure(kind: &str, seconds: u64) -> Result<[f64; 3], Failure> {
+/// Half of the round trips, and 99 of 100, take no longer than this, s.
+fn measure(kind: &str, seconds: u64) -> Result<[f64; 2], Failure> {
     let [mut site, mut partner] = sites(kind)?;
     let is_over = AtomicBool::new(false);
     let mut times = Vec::new();
@@ -82,36 +81,26 @@ fn measure(kind: &str, seconds: u64) -> Result<[f64; 3], Failure> {
     times.sort_by(f64::total_cmp);
     let at =
         |share: f64| times.get((share * (times.len() as f64 - 1.0)) as usize).copied().unwrap_or(f64::NAN);
-    Ok([at(0.5), at(0.99), times.len() as f64 / (1000.0 * seconds as f64)])
+    Ok([at(0.5), at(0.99)])
 }
 
-fn main() -> Result<(), Failure> {
-    let mut arguments = std::env::args().skip(1).map(|argument| argument.parse());
-    let seconds = arguments.next().transpose()?.unwrap_or(5);
-    let rounds = arguments.next().transpose()?.unwrap_or(5);
+/// Prints round trips and ratios: the medians of these rounds.
+pub fn compare(rounds: usize, seconds: u64) -> Result<(), Failure> {
     let mut all = [Vec::new(), Vec::new()];
     for _ in 0..rounds {
         for (kind, times) in ["udp", "iroh"].into_iter().zip(&mut all) {
             times.push(measure(kind, seconds)?);
         }
     }
-    let median = |times: &Vec<[f64; 3]>, which: usize| {
-        let mut values: Vec<f64> = times.iter().map(|time| time[which]).collect();
-        values.sort_by(f64::total_cmp);
-        values[values.len() / 2]
-    };
-    let [udp, iroh] = all.each_ref().map(|times| [0, 1, 2].map(|which| median(times, which)));
-    println!(
-        "{{\"udp\": {{\"median\": {:.1}, \"quantile_99\": {:.1}, \"came\": {:.4}}}, \"iroh\": {{\"median\": {:.1}, \
-         \"quantile_99\": {:.1}, \"came\": {:.4}}}, \"ratio\": {{\"median\": {:.2}, \"quantile_99\": {:.2}}}}}",
-        udp[0] * 1e6,
-        udp[1] * 1e6,
-        udp[2],
-        iroh[0] * 1e6,
-        iroh[1] * 1e6,
-        iroh[2],
-        iroh[0] / udp[0],
-        iroh[1] / udp[1]
-    );
+    let [udp, iroh] =
+        all.each_ref().map(|times| [0, 1].map(|which| median(times.iter().map(|time| time[which]))));
+    for (which, name, target) in [(0, "half below", 2.5), (1, "99 of 100 below", 1.5)] {
+        println!(
+            "round trip, {name}: iroh {:.0} µs, raw UDP {:.0} µs, ratio {:.2} (target {target})",
+            1e6 * iroh[which],
+            1e6 * udp[which],
+            iroh[which] / udp[which]
+        );
+    }
     Ok(())
 }
