@@ -75,7 +75,7 @@ def test_law_links_lead_somewhere(root: Path, name: str) -> None:
 def test_law_every_make_target_named_exists(root: Path, name: str) -> None:
     makefile = (root / "Makefile").read_text(encoding="utf-8")
     for target in re.findall(
-        r"(?:^    |`)make ([a-z-]+)", (root / name).read_text(encoding="utf-8"), re.MULTILINE
+        r"(?:^    |`)make ([a-z0-9-]+)", (root / name).read_text(encoding="utf-8"), re.MULTILINE
     ):
         assert re.search(rf"^{target}:", makefile, re.MULTILINE), f"{name} names make {target}"
 

@@ -416,6 +416,15 @@ def test_law_sites_that_never_met_have_no_common_time(tmp_path: Path) -> None:
 # What people did
 
 
+def test_law_what_both_sites_are_told_counts_once(tmp_path: Path) -> None:
+    """An order without a number goes to both sites, which hear it within milliseconds of each other."""
+    marks = [(0.2 + 0.02 * side, side, f"participant P{side}") for side in (1, 2)]
+    marks += [(0.21 + 0.02 * side, side, "trial 1") for side in (1, 2)]
+    marks += [(0.6 + 0.02 * side, side, "trial end") for side in (1, 2)]
+    found = ts.analyse_recording(ts.merge_recordings(*MadeSession(seconds=0.9, marks=marks).write(tmp_path)))
+    assert [(trial["label"], trial["dyad"]) for trial in found["trials"]] == [("1", "P1 and P2")]
+
+
 def test_law_a_session_is_measured_as_its_trials_are(made: MadeSession, files: tuple[Path, Path]) -> None:
     found = ts.analyse_recording(ts.merge_recordings(*files))
     assert [trial["label"] for trial in found["trials"]] == ["1", "2", "3", "4"]

@@ -75,7 +75,7 @@ def marked_trials(
     >>> [(trial.label, trial.condition, trial.begin, trial.end) for trial in marked_trials(marks, 0.5, 20.0)]
     [('1', 'soft', 2.0, 9.0)]
     """
-    condition, participants = "", ["", ""]
+    condition = ""
     trials: list[MarkedTrial] = []
     opened: tuple[str, str, tuple[str, str], float] | None = None
     latest = (-2.0, 0, "")
@@ -88,20 +88,26 @@ def marked_trials(
     for time, side, kind, text in sorted(marks, key=lambda mark: (mark[0], mark[2] == "trial")):
         if kind == "condition":
             condition = text
-        elif kind == "participant":
-            participants[side - 1] = text
         elif kind == "trial":
             if text == latest[2] and side != latest[1] and time - latest[0] < 1.0:
                 continue
             latest = time, side, text
             close(min(time, end))
             is_end = text.strip().casefold() in _ENDS
-            opened = (
-                None if is_end else (text, condition, (participants[0], participants[1]), max(time, begin))
-            )
+            opened = None if is_end else (text, condition, _participants(marks, time, side), max(time, begin))
     close(end)
     if not trials and end > begin:
-        trials = [
-            MarkedTrial("1", condition, (participants[0], participants[1]), begin, end, is_marked=False)
-        ]
+        trials = [MarkedTrial("1", condition, _participants(marks, end, 0), begin, end, is_marked=False)]
     return trials
+
+
+def _participants(marks: Sequence[tuple[float, int, str, str]], time: float, side: int) -> tuple[str, str]:
+    """Return the codes that hold for a trial marked at this time and site.
+
+    The other site may have been told of the same trial, and first of its participant, up to a second later.
+    """
+    codes = ["", ""]
+    for when, each, kind, text in sorted(marks):
+        if kind == "participant" and when <= time + (1.0 if each != side else 0.0):
+            codes[each - 1] = text
+    return codes[0], codes[1]

@@ -130,7 +130,7 @@ def trials_dataset(session: xr.Dataset, trials: Sequence[MarkedTrial]) -> xr.Dat
     if any(each.any() for each in participant):
         dyads = np.array(
             [
-                " and ".join(filter(None, pair))
+                " and ".join(dict.fromkeys(filter(None, pair)))
                 for pair in zip(*(p.ravel() for p in participant), strict=True)
             ],
             dtype=object,

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from rich.console import Group, RenderableType
+from rich.table import Table
 from rich.text import Text
 
 from telespring.show.quantities import format_count, format_number, format_time
@@ -160,18 +161,15 @@ def _events(events: Sequence[Mapping[str, Any]]) -> list[RenderableType]:
     if not events:
         return [Text("Nothing happened.")]
     shown = list(events) if len(events) <= _MOST_EVENTS else [*events[: _MOST_EVENTS - 5], *events[-5:]]
-    rows = [
-        (
-            format_number(event["time"], 5),
-            str(event["side"]),
-            Text(_line(event["event"])),
-            Text(_line(event["cause"] or "")),
-        )
-        for event in shown
-    ]
-    found: list[RenderableType] = [
-        fitting_table("What happened", ("s", "site", "event", "why"), rows, right=(0,))
-    ]
+    table = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0))
+    table.add_column("s", justify="right", no_wrap=True)
+    table.add_column("site", no_wrap=True)
+    table.add_column("event", no_wrap=True)
+    table.add_column("why", overflow="fold")
+    for event in shown:
+        words = (Text(_line(word)) for word in (event["event"], event["cause"] or ""))
+        table.add_row(format_number(event["time"], 5), str(event["side"]), *words)
+    found: list[RenderableType] = [Text("What happened", style="bold"), table]
     if len(shown) < len(events):
         found.append(Text(f"{format_count(len(events) - len(shown), 'event')} in between: see --json."))
     return found
