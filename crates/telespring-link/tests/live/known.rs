@@ -70,7 +70,7 @@ impl Known {
             "study = \"study.toml\"\nside = {number}\n\n\
              [network]\ntransport = \"iroh\"\nkey = \"{side}.key\"\npeer_id = \"{}\"\npeer = \"{}\"\nlocal = \"{}\"\n\n\
              [safety]\nstall = 0.1\n\n[session]\nalignment = 10.0\nrest = 10.0\n\n\
-             [fallback]\nloss = 1.0\nheld = 1.0\nage = 60.0\nsoftened = 1.0\nsilence = {}\n\n\
+             [fallback]\nloss = 1.0\nheld = 1.0\nage = 60.0\nsoftened = 1.0\npatience = 600.0\nsilence = {}\n\n\
              [loop]\npriority = 10\nlock_memory = false\n",
             self.settings[side].peer_ids[0],
             at(1 - side, PORT),

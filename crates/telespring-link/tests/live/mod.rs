@@ -37,8 +37,9 @@ pub const STIFFNESS: f64 = 142.0;
 /// Two sites that are coupled wherever their handles are, and go on however bad the network is, unless the partner is silent for
 /// this long: here the endpoint and its transport are judged.
 fn rules(silence: Span) -> Rules {
-    let fallback =
-        Fallback { loss: 1.0, held: 1.0, age: 60.0, softened: 1.0, silence, ..Fallback::default() };
+    let patience = Span(600_000_000_000);
+    let usual = Fallback::default();
+    let fallback = Fallback { loss: 1.0, held: 1.0, age: 60.0, softened: 1.0, patience, silence, ..usual };
     Rules { consent: Consent::Automatic, alignment: 10.0, rest: 10.0, fallback, ..Rules::default() }
 }
 
