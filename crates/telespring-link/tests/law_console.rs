@@ -64,7 +64,8 @@ fn law_a_status_comes_ten_times_per_second_and_speaks_of_the_last_second() {
     assert!((lossy.lateness.median - 5e-5).abs() < 1.5e-6, "{lossy:?}");
     assert!((lossy.lateness.quantile_99 - 9.8e-5).abs() < 1.5e-6, "{lossy:?}");
     assert!((lossy.lateness.largest - 9.9e-5).abs() < 1e-12, "{lossy:?}");
-    assert!((quiet.round_trip.unwrap() - 0.04).abs() < 2e-3, "{quiet:?}");
+    // the wire takes 19 ms each way
+    assert!((quiet.round_trip.unwrap() - 0.038).abs() < 1.5e-3, "{quiet:?}");
     assert!((quiet.age.unwrap() - 0.02).abs() < 0.02, "{quiet:?}");
     let stages = quiet.latency.network.unwrap() + quiet.latency.playout.unwrap();
     assert!((stages - quiet.age.unwrap()).abs() < 2e-3, "{quiet:?}");
