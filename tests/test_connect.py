@@ -68,6 +68,11 @@ def wait_for(condition: Callable[[], bool], seconds: float = 60.0) -> None:
         time.sleep(0.02)
 
 
+def _child(process: subprocess.Popen[bytes]) -> int:
+    (child,) = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
+    return int(child)
+
+
 @pytest.mark.usefixtures("fake")
 def test_law_json_is_one_object_with_the_worse_of_both_sides() -> None:
     found = connect("--demo", "--json")
@@ -204,6 +209,7 @@ def test_law_ctrl_c_ends_the_session_in_order_and_once(fake: Callable[..., Any],
     process = as_process("--site", "a.toml", start_new_session=True)
     assert process.stdout is not None
     process.stdout.readline()  # it runs
+    assert os.getpgid(_child(process)) != process.pid
     # as a terminal does: to all of the group
     os.killpg(process.pid, signal.SIGINT)
     out, _ = process.communicate(timeout=60)
@@ -234,6 +240,8 @@ def test_law_if_the_parent_is_killed_the_program_hears_that_its_input_has_ended(
     process = as_process("--site", "a.toml", stdin=subprocess.PIPE)
     assert process.stdout is not None
     process.stdout.readline()
+    time.sleep(0.5)
+    assert not note.exists()
     process.kill()
     process.communicate()
     wait_for(lambda: note.exists() and note.read_text().endswith("\n"))
@@ -403,14 +411,13 @@ def test_cross_the_program_leaves_when_its_parent_is_killed(tmp_path: Path) -> N
     process = as_process("--demo", "--seconds", "600", stdin=subprocess.PIPE, cwd=tmp_path)
     assert process.stdout is not None
     process.stdout.readline()
-    children = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
-    assert len(children) == 1
+    child = _child(process)
     process.kill()
     process.communicate()
 
     def is_gone() -> bool:
         # A zombie has ended; whoever adopted it has yet to notice.
-        state = Path(f"/proc/{children[0]}/stat")
+        state = Path(f"/proc/{child}/stat")
         return not state.exists() or state.read_text().rsplit(")", 1)[1].split()[0] == "Z"
 
     wait_for(is_gone)

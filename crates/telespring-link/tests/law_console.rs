@@ -63,8 +63,9 @@ fn law_a_status_comes_ten_times_per_second_and_speaks_of_the_last_second() {
     // 99 of 100, as in the second before
     assert!((lossy.lateness.median - 5e-5).abs() < 1.5e-6, "{lossy:?}");
     assert!((lossy.lateness.quantile_99 - 9.8e-5).abs() < 1.5e-6, "{lossy:?}");
-    assert_eq!(lossy.lateness.largest, 9.9e-5);
-    assert!((quiet.round_trip.unwrap() - 0.04).abs() < 2e-3, "{quiet:?}");
+    assert!((lossy.lateness.largest - 9.9e-5).abs() < 1e-12, "{lossy:?}");
+    // the wire takes 19 ms each way
+    assert!((quiet.round_trip.unwrap() - 0.038).abs() < 1.5e-3, "{quiet:?}");
     assert!((quiet.age.unwrap() - 0.02).abs() < 0.02, "{quiet:?}");
     let stages = quiet.latency.network.unwrap() + quiet.latency.playout.unwrap();
     assert!((stages - quiet.age.unwrap()).abs() < 2e-3, "{quiet:?}");
@@ -85,7 +86,7 @@ fn law_what_holds_the_force_back_is_named() {
     let told = statuses(
         &mut pair,
         &mut gauge,
-        1000,
+        1500,
         |pair, _| pair.ends[0].wire.borrow_mut().is_cut[0] = true,
         on_time,
     );
@@ -99,7 +100,7 @@ fn law_what_holds_the_force_back_is_named() {
 #[test]
 fn law_a_strategy_that_limits_is_named() {
     let study = hman_study(GUARD);
-    let mut pair = Pair::new([&study; 2], 0.02);
+    let mut pair = Pair::limited(&study, 0.02, 1000.0);
     let mut gauge = Gauge::new(1);
     // far beyond what the account pays
     pair.devices[1].change(|script| script.position = [0.2, 0.0]);
