@@ -340,7 +340,9 @@ fn law_a_handle_that_is_too_fast_or_outside_is_let_go_along_the_ramp() {
     for cause in [Interruption::Velocity, Interruption::Workspace] {
         let mut pair = Pair::with([&study(), &study()], 0.02, |settings| {
             let workspace = [[-0.1, 0.1], [f64::NEG_INFINITY, f64::INFINITY]];
-            SiteSettings { limits: Limits { workspace, ..settings.limits }, ..settings.simulated() }
+            // the handle jumps, and the force with it
+            let limits = Limits { workspace, rise: 1e6, ..settings.limits };
+            SiteSettings { limits, ..settings.simulated() }
         });
         pair.run(1500, |_, _| {});
         assert_eq!(pair.phases(), [Phase::Running; 2]);

@@ -9,6 +9,7 @@ use crate::site::Limits;
 #[serde(deny_unknown_fields)]
 pub(super) struct Text {
     force: Option<f64>,
+    rise: Option<f64>,
     velocity: Option<f64>,
     #[serde(default)]
     workspace: Workspace,
@@ -23,6 +24,7 @@ pub(super) struct Text {
 #[serde(deny_unknown_fields)]
 struct Person {
     force: Option<f64>,
+    rise: Option<f64>,
     velocity: Option<f64>,
     #[serde(default)]
     workspace: Workspace,
@@ -45,18 +47,17 @@ enum Axis {
     Y,
 }
 
-/// Limits that are those of `usual` where none is given.
+/// Limits that are those of `usual` where none is given: force, rise, velocity and scale.
 fn limits(
     usual: Limits,
-    force: Option<f64>,
-    velocity: Option<f64>,
+    [force, rise, velocity, scale]: [Option<f64>; 4],
     workspace: &Workspace,
-    scale: Option<f64>,
     lock: &[Axis],
 ) -> Limits {
     let [x, y] = usual.workspace;
     Limits {
         force: force.unwrap_or(usual.force),
+        rise: rise.unwrap_or(usual.rise),
         velocity: velocity.unwrap_or(usual.velocity),
         workspace: [workspace.x.unwrap_or(x), workspace.y.unwrap_or(y)],
         scale: scale.unwrap_or(usual.scale),
@@ -66,11 +67,11 @@ fn limits(
 
 /// The tighter of both.
 pub(super) fn read(text: &Text) -> Result<Limits, InvalidInput> {
-    let Text { force, velocity, workspace, scale, lock, person } = text;
-    let robot = limits(Limits::default(), *force, *velocity, workspace, *scale, lock);
+    let Text { force, rise, velocity, workspace, scale, lock, person } = text;
+    let robot = limits(Limits::default(), [*force, *rise, *velocity, *scale], workspace, lock);
     robot.check()?;
-    let Some(Person { force, velocity, workspace, scale, lock }) = person else { return Ok(robot) };
-    let person = limits(Limits::NONE, *force, *velocity, workspace, *scale, lock);
+    let Some(Person { force, rise, velocity, workspace, scale, lock }) = person else { return Ok(robot) };
+    let person = limits(Limits::NONE, [*force, *rise, *velocity, *scale], workspace, lock);
     person.check().map_err(|mut refusal| {
         refusal.field = refusal.field.replace("limits.", "limits.person.");
         refusal

@@ -297,6 +297,6 @@ impl<D: Device, T: Transport> Site<D, T> {
         }
         let wanted = self.endpoint.force(now);
         (self.notes.asked, self.notes.forces.wanted) = (Some(now), Some(wanted));
-        self.gate.pass(wanted, self.share(now))
+        self.gate.pass(now, wanted, self.share(now))
     }
 }

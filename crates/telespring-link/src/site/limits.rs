@@ -10,6 +10,8 @@ use super::Interruption;
 pub struct Limits {
     /// The largest force, N: a larger one is cut along its direction.
     pub force: f64,
+    /// The steepest growth of the force, N/s: a steeper one is slowed. The force may fall at once.
+    pub rise: f64,
     /// The largest speed of the handle while coupled, m/s: beyond it the force ramps out, and the session pauses.
     pub velocity: f64,
     /// The least and the largest position per axis, m, while coupled: outside the force ramps out, and the session pauses.
@@ -21,9 +23,9 @@ pub struct Limits {
 }
 
 impl Default for Limits {
-    /// 20 N, 2 m/s, everywhere, the whole force on both axes.
+    /// 20 N, 1000 N/s, 2 m/s, everywhere, the whole force on both axes.
     fn default() -> Self {
-        Self { force: 20.0, velocity: 2.0, ..Self::NONE }
+        Self { force: 20.0, rise: 1000.0, velocity: 2.0, ..Self::NONE }
     }
 }
 
@@ -31,6 +33,7 @@ impl Limits {
     /// No limit but that of the numbers themselves.
     pub const NONE: Self = Self {
         force: 1000.0,
+        rise: 1e6,
         velocity: 100.0,
         workspace: [[f64::NEG_INFINITY, f64::INFINITY]; 2],
         scale: 1.0,
@@ -42,6 +45,7 @@ impl Limits {
     pub fn and(self, other: Self) -> Self {
         Self {
             force: self.force.min(other.force),
+            rise: self.rise.min(other.rise),
             velocity: self.velocity.min(other.velocity),
             workspace: [0, 1].map(|axis| {
                 let ([low, high], [least, most]) = (self.workspace[axis], other.workspace[axis]);
@@ -58,10 +62,14 @@ impl Limits {
     ///
     /// [`InvalidInput`] with the field.
     pub fn check(&self) -> Result<(), InvalidInput> {
-        let Self { force, velocity, workspace, scale, .. } = *self;
+        let Self { force, rise, velocity, workspace, scale, .. } = *self;
         if !(force > 0.0 && force <= 1000.0) {
             let remedy = "Give the largest force that the person and the robot bear.";
             return Err(InvalidInput::new("limits.force", force, "a force above 0 N, up to 1000 N", remedy));
+        }
+        if !(rise > 0.0 && rise <= 1e6) {
+            let remedy = "Give 1000: the usual largest force is then reached in 20 ms at the earliest.";
+            return Err(InvalidInput::new("limits.rise", rise, "above 0, up to 1000000 N/s", remedy));
         }
         if !(velocity > 0.0 && velocity <= 100.0) {
             let remedy = "Give the largest speed at which a person may be coupled, for instance 1.";

@@ -127,7 +127,7 @@ impl<D: Device, T: Transport> Site<D, T> {
         Ok(Self {
             device,
             transport,
-            gate: ForceGate::new(&limits, endpoint.computing_tick),
+            gate: ForceGate::new(&limits, endpoint.sample_period, endpoint.computing_tick),
             is_watched: endpoint.watchdog.is_some(),
             endpoint: Endpoint::new(endpoint)?,
             alignment: Alignment::new(rules.alignment, rules.rest, terms.side),

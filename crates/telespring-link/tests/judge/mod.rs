@@ -18,6 +18,8 @@ pub struct Rules {
 const RAMP_OUT: f64 = 0.0789;
 /// From no force to full, s.
 const RAMP_IN: f64 = 0.5;
+/// The sample period, s.
+const PERIOD: f64 = 0.001;
 /// Of a force, N.
 const ROUNDING: f64 = 1e-9;
 /// How far back the largest force counts for the slope of a ramp.
@@ -113,6 +115,10 @@ pub fn judge(moments: &[Moment], rules: &Rules) -> Findings {
             Some(speed) => largest_step(moments, at, rules, speed),
             None => payable(before, *stiffness) + payable(after, *stiffness),
         };
+        let growth = growth(before.force, after.force);
+        // a tick that is late counts for two periods at most
+        let rise = Limits::default().rise * 2.0 * PERIOD;
+        assert!(growth <= rise + ROUNDING, "it grew by {growth} N in a tick: {before:?} {after:?}");
         assert!(step <= allowed + ROUNDING, "a step of {step} N, above {allowed} N: {before:?} {after:?}");
         let (largest, share) = findings.largest_step;
         findings.largest_step = (largest.max(step), share.max(step / (allowed + ROUNDING)));
@@ -123,6 +129,12 @@ pub fn judge(moments: &[Moment], rules: &Rules) -> Findings {
 /// The largest force that the account of a tick can pay, N.
 fn payable(moment: &Moment, stiffness: f64) -> f64 {
     moment.balance.map_or(f64::INFINITY, |balance| (2.0 * stiffness * balance.max(0.0)).sqrt())
+}
+
+/// By how much a force is longer than what the one before was along its direction, N.
+fn growth(before: [f64; 2], after: [f64; 2]) -> f64 {
+    let along = (before[0] * after[0] + before[1] * after[1]) / size(after).max(f64::MIN_POSITIVE);
+    size(after) - along.max(0.0)
 }
 
 /// The largest step of the force from this tick to the next, N.
