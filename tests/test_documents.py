@@ -23,11 +23,15 @@ DOCUMENTS = [
     "docs/connect.md",
     "docs/device-protocol.md",
     "docs/drivers.md",
+    "docs/faults.md",
+    "docs/hazards.md",
+    "docs/network.md",
     "docs/prediction.md",
     "docs/recording.md",
     "docs/recorded-trials.md",
     "docs/session.md",
     "docs/telemetry.md",
+    "docs/threat-model.md",
     "docs/traces.md",
     "docs/wire.md",
 ]
@@ -78,6 +82,24 @@ def test_law_every_make_target_named_exists(root: Path, name: str) -> None:
         r"(?:^    |`)make ([a-z0-9-]+)", (root / name).read_text(encoding="utf-8"), re.MULTILINE
     ):
         assert re.search(rf"^{target}:", makefile, re.MULTILINE), f"{name} names make {target}"
+
+
+def test_law_every_test_that_a_page_names_exists(root: Path) -> None:
+    files = [
+        *(root / "crates").rglob("*.rs"),
+        *(root / "drivers").rglob("*.rs"),
+        *(root / "tests").glob("*.py"),
+    ]
+    written = {name for file in files for name in re.findall(r"(?:fn|def) (\w+)\(", file.read_text("utf-8"))}
+    # a page may name a whole file or folder
+    written |= {part for file in files for part in file.with_suffix("").parts}
+    named = {
+        (page.name, name)
+        for page in (root / "docs").glob("*.md")
+        for name in re.findall(r"`((?:test_)?(?:law|ref|cross|pin)_\w+)`", page.read_text("utf-8"))
+    }
+    assert {page for page, _ in named} >= {"faults.md", "hazards.md", "threat-model.md"}
+    assert [each for each in sorted(named) if each[1] not in written] == []
 
 
 def test_law_requirements_are_pinned_exactly(root: Path) -> None:
