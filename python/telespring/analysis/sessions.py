@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from telespring._arrays import as_number
 from telespring._json import finite_or_none
 from telespring._quantities import format_count, format_time
 from telespring._types import FloatArray
@@ -79,6 +80,8 @@ def analyse_recording(
     """
     if not isinstance(recording, SessionRecording):
         recording = read_recording(recording)
+    if discard is not None:
+        discard = as_number("discard", discard)
     session = recording.dataset()
     return analyse_session(recording, session, discard, baseline)
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from telespring._arrays import quoted_value
 from telespring._core import Study
 from telespring._errors import InvalidInput
 from telespring._quantities import format_count, format_time
@@ -15,14 +17,11 @@ from telespring.recording.common_time import CommonTime, common_time
 from telespring.recording.dataset import session_dataset, session_grid
 from telespring.recording.events import MarkedTrial, SessionEvent, marked_trials
 from telespring.recording.series import SiteSeries
+from telespring.recording.side import SideRecording
 from telespring.recording.trials import coupled_span, trials_dataset
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     import xarray as xr
-
-    from telespring.recording.side import SideRecording
 
 __all__ = ["SessionRecording"]
 
@@ -49,6 +48,14 @@ class SessionRecording:
     """
 
     def __init__(self, sides: Mapping[int, SideRecording]) -> None:
+        is_pair = isinstance(sides, Mapping) and sides and set(sides) <= {1, 2}
+        if not is_pair or not all(isinstance(side, SideRecording) for side in sides.values()):
+            raise InvalidInput(
+                "sides",
+                quoted_value(sides),
+                "what each site recorded, by the number of its robot",
+                "Read a file with telespring.read_recording.",
+            )
         self.sides = dict(sorted(sides.items()))
 
     def __repr__(self) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,7 +23,7 @@ __all__ = ["read_sites", "site_recording"]
 _CUT = 1e-9
 
 
-def read_sites(path: str) -> list[SiteRecording]:
+def read_sites(path: str | os.PathLike[str]) -> list[SiteRecording]:
     """Read the recording of one side, or the merged one of both; InvalidInput if it is none."""
     from telespring.recording import read_recording
 

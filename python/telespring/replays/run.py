@@ -110,7 +110,7 @@ def _read(source: Source) -> Sequence[SiteRecording]:
         return [source]
     from telespring.replays.reading import read_sites
 
-    return read_sites(os.fspath(source))
+    return read_sites(source)
 
 
 def changed_study(

@@ -56,6 +56,7 @@ impl Facts {
         let limits = settings.limits;
         let safety = record([
             ("force", limits.force.to_string()),
+            ("rise", limits.rise.to_string()),
             ("velocity", limits.velocity.to_string()),
             ("scale", limits.scale.to_string()),
             ("lock_x", limits.lock[0].to_string()),
