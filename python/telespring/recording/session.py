@@ -48,8 +48,9 @@ class SessionRecording:
     """
 
     def __init__(self, sides: Mapping[int, SideRecording]) -> None:
-        is_pair = isinstance(sides, Mapping) and sides and set(sides) <= {1, 2}
-        if not is_pair or not all(isinstance(side, SideRecording) for side in sides.values()):
+        given: object = sides
+        known = [*given.values()] if isinstance(given, Mapping) and given and {*given} <= {1, 2} else [None]
+        if not all(isinstance(side, SideRecording) for side in known):
             raise InvalidInput(
                 "sides",
                 quoted_value(sides),
