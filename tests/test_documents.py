@@ -133,6 +133,7 @@ def readme_commands(root: Path) -> list[str]:
     return re.findall(r"^    (telespring .*)$", text, re.MULTILINE)
 
 
+@pytest.mark.timeout(600)
 def test_law_every_command_of_the_readme_runs_as_pasted(root: Path, tmp_path: Path) -> None:
     commands = readme_commands(root)
     assert len(commands) > 8
