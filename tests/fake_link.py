@@ -62,7 +62,7 @@ def summary(side: int, cause: str) -> dict[str, object]:
         "energy": {"least_balance": 0.0},
         "largest_force": 4.5,
         "te": 0.014,
-        "real_time": {"priority": "granted", "locked_memory": "granted"},
+        "real_time": {"priority": "granted", "locked_memory": "granted", "awake": "granted"},
         "events": [
             {"time": 0.1 * side, "event": "running"},
             {"time": 20.0, "event": "ended", "cause": cause},

@@ -16,7 +16,8 @@ use telespring_link::transport::{Emulated, Udp};
 
 /// A real-time priority where it is granted. Where it is not, a busy machine keeps a loop from its tick for tens of
 /// milliseconds, again and again.
-const PRIORITY: LoopChoice = LoopChoice { priority: Some(10), lock_memory: false, pace: PaceChoice::Clock };
+const PRIORITY: LoopChoice =
+    LoopChoice { priority: Some(10), lock_memory: false, stay_awake: false, pace: PaceChoice::Clock };
 /// For the same reason a standstill of the loop does not let the force go here: the partner's silence is judged.
 const PATIENT: Span = Span(100_000_000);
 

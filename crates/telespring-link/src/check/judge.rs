@@ -13,8 +13,9 @@ const CAPABILITIES: &str = "Run `setcap cap_sys_nice,cap_ipc_lock+ep` on the pro
 
 /// What the operating system granted.
 pub(super) fn privileges(real_time: &RealTime) -> Item {
-    let RealTime { priority, locked_memory } = real_time;
-    let found = format!("real-time priority {priority}, locked memory {locked_memory}");
+    let RealTime { priority, locked_memory, awake } = real_time;
+    let found =
+        format!("real-time priority {priority}, locked memory {locked_memory}, processors awake {awake}");
     if [*priority, *locked_memory].contains(&"refused") {
         let found = format!("{found}: a busy machine keeps the loop from its tick");
         return Item::wrong("privileges", Verdict::Warning, found, CAPABILITIES);
@@ -177,7 +178,9 @@ mod tests {
 
     #[test]
     fn law_a_privilege_that_was_refused_is_a_warning_and_one_that_nobody_wanted_is_none() {
-        let judged = |priority, locked_memory| privileges(&RealTime { priority, locked_memory }).verdict;
+        let judged = |priority, locked_memory| {
+            privileges(&RealTime { priority, locked_memory, awake: "granted" }).verdict
+        };
         assert_eq!(judged("granted", "granted"), Verdict::Ok);
         assert_eq!(judged("not-asked", "not-asked"), Verdict::Ok);
         assert_eq!(judged("refused", "granted"), Verdict::Warning);

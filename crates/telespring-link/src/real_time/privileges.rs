@@ -1,6 +1,9 @@
-//! What the operating system grants a loop: a real-time priority and locked memory.
+//! What the operating system grants a loop: a real-time priority, locked memory, and processors that stay awake.
 
 #![allow(unsafe_code, reason = "no safe crate here sets the real-time priority")]
+
+use std::fs::{File, OpenOptions};
+use std::io::Write;
 
 use rustix::mm::{MlockAllFlags, mlockall};
 
@@ -12,6 +15,20 @@ pub struct Privileges {
     pub priority: Option<Result<i32, i32>>,
     /// Whether the memory is locked, as above.
     pub locked_memory: Option<Result<(), i32>>,
+    /// Whether the processors stay awake, as above.
+    pub awake: Option<Result<(), i32>>,
+}
+
+/// Keeps the processors out of deep sleep, from which they wake late, as long as the result lives. It costs power.
+///
+/// # Errors
+///
+/// That of the operating system; usually only root may.
+pub fn stay_awake() -> std::io::Result<File> {
+    let mut file = OpenOptions::new().write(true).open("/dev/cpu_dma_latency")?;
+    // the longest wake-up that is tolerated, µs
+    file.write_all(&0_i32.to_ne_bytes())?;
+    Ok(file)
 }
 
 /// Asks for a real-time priority for this thread, and for all memory that the program has now to stay in place. Call it on the
@@ -22,6 +39,7 @@ pub fn claim(priority: Option<i32>, lock_memory: bool) -> Privileges {
         // what is mapped later is not locked: a limit on it would make that fail
         locked_memory: lock_memory
             .then(|| mlockall(MlockAllFlags::CURRENT).map_err(|error| error.raw_os_error())),
+        awake: None,
     }
 }
 

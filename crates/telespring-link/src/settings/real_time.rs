@@ -10,6 +10,8 @@ pub struct LoopChoice {
     pub priority: Option<i32>,
     /// Whether the memory stays in place.
     pub lock_memory: bool,
+    /// Whether the processors stay out of deep sleep.
+    pub stay_awake: bool,
     /// What the loop keeps time with.
     pub pace: PaceChoice,
 }
@@ -27,9 +29,9 @@ pub enum PaceChoice {
 }
 
 impl Default for LoopChoice {
-    /// Priority 80, memory locked, the pace of the device.
+    /// Priority 80, memory locked, processors awake, the pace of the device.
     fn default() -> Self {
-        Self { priority: Some(80), lock_memory: true, pace: PaceChoice::Device }
+        Self { priority: Some(80), lock_memory: true, stay_awake: true, pace: PaceChoice::Device }
     }
 }
 
@@ -38,6 +40,7 @@ impl Default for LoopChoice {
 pub(super) struct Text {
     priority: Option<i32>,
     lock_memory: Option<bool>,
+    stay_awake: Option<bool>,
     pace: Option<PaceChoice>,
 }
 
@@ -52,6 +55,7 @@ impl LoopChoice {
         Ok(Self {
             priority: priority.filter(|priority| *priority > 0),
             lock_memory: text.lock_memory.unwrap_or(usual.lock_memory),
+            stay_awake: text.stay_awake.unwrap_or(usual.stay_awake),
             pace: text.pace.unwrap_or(usual.pace),
         })
     }

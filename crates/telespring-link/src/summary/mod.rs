@@ -196,6 +196,8 @@ pub struct RealTime {
     pub priority: &'static str,
     /// As above.
     pub locked_memory: &'static str,
+    /// Whether the processors stayed awake, as above.
+    pub awake: &'static str,
 }
 
 impl Summary {
@@ -253,6 +255,7 @@ impl Summary {
             real_time: RealTime {
                 priority: granted(privileges.priority.map(|outcome| outcome.is_ok())),
                 locked_memory: granted(privileges.locked_memory.map(|outcome| outcome.is_ok())),
+                awake: granted(privileges.awake.map(|outcome| outcome.is_ok())),
             },
             events: site
                 .log()

@@ -28,7 +28,8 @@ pub use known::{Known, PORT};
 
 /// A real-time priority where it is granted. Where it is not, a busy machine keeps a loop from its tick for tens of
 /// milliseconds, again and again.
-const PRIORITY: LoopChoice = LoopChoice { priority: Some(10), lock_memory: false, pace: PaceChoice::Clock };
+const PRIORITY: LoopChoice =
+    LoopChoice { priority: Some(10), lock_memory: false, stay_awake: false, pace: PaceChoice::Clock };
 /// For the same reason a standstill of the loop does not let the force go here: the partner's silence is judged.
 pub const SAFETY: Safety =
     Safety { silence: Span(150_000_000), stall: Span(100_000_000), ramp_out: Span(100_000_000) };
