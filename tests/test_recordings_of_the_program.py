@@ -61,7 +61,7 @@ def test_cross_recordings_say_what_the_program_says(demo: tuple[dict[str, Any], 
         force = np.hypot(columns["commanded_force.x"], columns["commanded_force.y"])
         assert force.max() == pytest.approx(said["largest_force"], rel=1e-12)
         assert columns["energy_given_out"][-1] == pytest.approx(said["energy"]["given_out"], abs=0.05)
-        # the record has the age of the oldest sample in use, the summary that of the played instant: later where one was lost
+        # The record has the age of the oldest sample in use, the summary that of the played instant.
         assert network["age"]["median"] == pytest.approx(said["age"]["median"], abs=0.003)
         assert side.summary is not None
         assert side.summary["side"] == said["side"]
