@@ -11,7 +11,7 @@ use telespring::session::Span;
 use crate::device::Device;
 use crate::feed::{self, Item, Observer};
 use crate::operator::Order;
-use crate::real_time::{self, Limits, Pace, Privileges};
+use crate::real_time::{self, Limits, Pace};
 use crate::record::live::LiveServer;
 use crate::record::{Facts, Recorder, Recording};
 use crate::settings::{LoopChoice, PaceChoice};
@@ -96,14 +96,7 @@ pub fn conduct<D: Device, T: Transport>(
     }
     let mut pace = Pace::new(period);
     let (mut feed, observers) = feed::start(observers)?;
-    let awake = stay_awake.then(real_time::stay_awake);
-    let privileges = Privileges {
-        awake: awake.as_ref().map(|outcome| match outcome {
-            Ok(_) => Ok(()),
-            Err(error) => Err(error.raw_os_error().unwrap_or(0)),
-        }),
-        ..real_time::claim(priority, lock_memory)
-    };
+    let privileges = real_time::claim(priority, lock_memory, stay_awake);
     real_time::run(&mut site, &mut pace, limits, stop, follows, |item| {
         if let Item::Tick { moment, .. } = &item {
             watch(moment);

@@ -38,8 +38,8 @@ pub struct Demo {
     /// A delay that is imposed on the partner's motion, s; it must not be below that of the path
     #[arg(long, allow_negative_numbers = true)]
     imposed_delay: Option<f64>,
-    /// Prints status, events and summary as JSON, one object per line, and takes orders from standard input, one per line, for both sides or, after 1 or 2, for one: consent, withdraw, pause,
-    /// resume, stop, clear, mark KIND TEXT
+    /// Prints status, events and summary as JSON, one object per line, and takes orders from standard input, one per line, for
+    /// both sides or, after 1 or 2, for one: consent, withdraw, pause, resume, stop, clear, mark KIND TEXT
     #[arg(long)]
     console: bool,
     /// The folder for the recordings of both sides

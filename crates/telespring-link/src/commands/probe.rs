@@ -5,18 +5,20 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::Ordering;
+use std::time::Duration;
 
 use clap::Args;
 use serde::Serialize;
 use telespring::InvalidInput;
 use telespring::session::Span;
 use telespring_link::clock::{Clock, MonotonicClock};
+use telespring_link::console::{Line, Output};
 use telespring_link::hello::draw_session;
 use telespring_link::probe::{Outcome, Probe as Measurement, ProbeSettings, Stage};
 use telespring_link::real_time::{Pace, claim};
 use telespring_link::settings::SiteFile;
 
-use super::{Failure, parts, print, stop_on_signal};
+use super::{Failure, parts, print, print_summary, stop_on_signal};
 
 /// From one line of progress to the next.
 const PROGRESS: Span = Span(500_000_000);
@@ -42,7 +44,6 @@ pub struct Probe {
 /// A line of progress.
 #[derive(Debug, Serialize)]
 struct Progress {
-    r#type: &'static str,
     stage: &'static str,
     sent: usize,
     packets: usize,
@@ -51,7 +52,6 @@ struct Progress {
 /// What was found, as a line or an object of its own.
 #[derive(Debug, Serialize)]
 struct Found<'a> {
-    r#type: &'static str,
     /// The robot of the study at this site, and the study, as TOML.
     side: u8,
     study: &'a str,
@@ -71,13 +71,14 @@ impl Probe {
         let settings = ProbeSettings { session: draw_session(), period, duration };
         let mut probe = Measurement::new(settings, parts::transport(&network, real_time.priority)?)?;
         let stop = stop_on_signal();
-        let privileges = claim(real_time.priority, false);
+        let privileges = claim(real_time.priority, false, false);
         if let Some(Err(error)) = privileges.priority {
             let error = std::io::Error::from_raw_os_error(error);
             eprintln!(
                 "No real-time priority ({error}): what this machine adds to the delays is measured, too."
             );
         }
+        let console = self.console.then(Output::stdout).transpose()?;
         let clock = MonotonicClock;
         let mut pace = Pace::new(period);
         let start = clock.now();
@@ -88,10 +89,12 @@ impl Probe {
             pace.wake(clock.now());
             let stage = probe.tick(&clock, is_over || stop.load(Ordering::Relaxed));
             is_over = stage == Stage::Waiting && clock.now() - start >= PATIENCE;
-            if self.console && clock.now() >= next {
+            if let Some(output) = console.as_ref().filter(|_| clock.now() >= next) {
                 next = clock.now() + PROGRESS;
                 let (sent, packets) = probe.progress();
-                print_line(&Progress { r#type: "status", stage: stage.word(), sent, packets });
+                // who reads slowly holds no packet up
+                let progress = Progress { stage: stage.word(), sent, packets };
+                output.write("status", &progress, Duration::ZERO);
             }
             if matches!(stage, Stage::Done(_)) {
                 break;
@@ -104,11 +107,10 @@ impl Probe {
             _ => None,
         };
         let study = study.to_toml();
-        let found = Found { r#type: "summary", side, study: &study, outcome: &outcome, trace };
-        if self.console {
-            print_line(&found);
-        } else {
-            print(&found);
+        let found = Found { side, study: &study, outcome: &outcome, trace };
+        match &console {
+            Some(_) => print_summary(&found, console.as_ref()),
+            None => print(&Line { kind: "summary", content: &found }),
         }
         if outcome.towards_here.is_none() {
             return Err(Failure::Other(nobody(&outcome)));
@@ -124,16 +126,6 @@ fn nobody(outcome: &Outcome) -> String {
     } else {
         "Nobody answered. Start telespring-link probe at both sites within a minute or so, and check network.peer."
             .to_owned()
-    }
-}
-
-fn print_line(line: &impl Serialize) {
-    match serde_json::to_string(line) {
-        Ok(text) => {
-            // whoever read the lines may be gone: the measurement goes on
-            let _ = writeln!(std::io::stdout(), "{text}");
-        }
-        Err(error) => eprintln!("the line cannot be written: {error}"),
     }
 }
 

@@ -24,7 +24,8 @@ pub struct Run {
     /// How long the session takes at most, s
     #[arg(long, allow_negative_numbers = true)]
     seconds: Option<f64>,
-    /// Prints status, events and summary as JSON, one object per line, and takes orders from standard input, one per line: consent, withdraw, pause, resume, stop, clear, mark KIND TEXT
+    /// Prints status, events and summary as JSON, one object per line, and takes orders from standard input, one per line:
+    /// consent, withdraw, pause, resume, stop, clear, mark KIND TEXT
     #[arg(long)]
     console: bool,
     /// The folder for a recording

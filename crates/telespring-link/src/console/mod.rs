@@ -3,7 +3,7 @@
 mod output;
 mod status;
 
-pub use output::Output;
+pub use output::{Line, Output};
 pub use status::{Gauge, LatencyNow, LatenessNow, Status};
 
 use std::time::Duration;

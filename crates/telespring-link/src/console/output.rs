@@ -24,13 +24,15 @@ struct Target {
     dropped: u64,
 }
 
-/// A line: an object, and of which type it is.
-#[derive(Serialize)]
-struct Line<'a, T> {
+/// What a line says: an object, and of which type it is.
+#[derive(Debug, Serialize)]
+pub struct Line<'a, T> {
+    /// The type.
     #[serde(rename = "type")]
-    kind: &'static str,
+    pub kind: &'static str,
+    /// The object.
     #[serde(flatten)]
-    content: &'a T,
+    pub content: &'a T,
 }
 
 impl Output {

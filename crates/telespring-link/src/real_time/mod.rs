@@ -5,7 +5,7 @@ mod privileges;
 mod wait;
 
 pub use pace::{Lateness, Pace};
-pub use privileges::{Privileges, claim, stay_awake};
+pub use privileges::{Privileges, claim};
 
 use std::sync::atomic::{AtomicBool, Ordering};
 

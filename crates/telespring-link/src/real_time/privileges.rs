@@ -7,39 +7,37 @@ use std::io::Write;
 
 use rustix::mm::{MlockAllFlags, mlockall};
 
-/// What was granted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// What was granted, for as long as this value lives.
+#[derive(Debug)]
 pub struct Privileges {
     /// The priority of the first-in-first-out schedule, 1 to 99; `Err` with the error of the operating system if it was
     /// refused; `None` if it was not asked for.
     pub priority: Option<Result<i32, i32>>,
     /// Whether the memory is locked, as above.
     pub locked_memory: Option<Result<(), i32>>,
-    /// Whether the processors stay awake, as above.
-    pub awake: Option<Result<(), i32>>,
+    /// The file that keeps the processors awake while it is open, as above.
+    pub awake: Option<Result<File, i32>>,
 }
 
-/// Keeps the processors out of deep sleep, from which they wake late, as long as the result lives. It costs power.
-///
-/// # Errors
-///
-/// That of the operating system; usually only root may.
-pub fn stay_awake() -> std::io::Result<File> {
+/// Keeps the processors out of deep sleep, from which they wake late, as long as the result lives. It costs power, and usually
+/// only root may.
+fn keep_awake() -> std::io::Result<File> {
     let mut file = OpenOptions::new().write(true).open("/dev/cpu_dma_latency")?;
     // the longest wake-up that is tolerated, µs
     file.write_all(&0_i32.to_ne_bytes())?;
     Ok(file)
 }
 
-/// Asks for a real-time priority for this thread, and for all memory that the program has now to stay in place. Call it on the
-/// loop's thread when all is allocated. What is refused is said, and the loop runs without it.
-pub fn claim(priority: Option<i32>, lock_memory: bool) -> Privileges {
+/// Asks for a real-time priority for this thread, for all memory that the program has now to stay in place, and for processors
+/// that stay out of deep sleep. Call it on the loop's thread when all is allocated. What is refused is said, and the loop runs
+/// without it.
+pub fn claim(priority: Option<i32>, lock_memory: bool, stay_awake: bool) -> Privileges {
     Privileges {
         priority: priority.map(set_priority),
         // what is mapped later is not locked: a limit on it would make that fail
         locked_memory: lock_memory
             .then(|| mlockall(MlockAllFlags::CURRENT).map_err(|error| error.raw_os_error())),
-        awake: None,
+        awake: stay_awake.then(|| keep_awake().map_err(|error| error.raw_os_error().unwrap_or(0))),
     }
 }
 

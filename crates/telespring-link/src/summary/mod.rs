@@ -255,7 +255,7 @@ impl Summary {
             real_time: RealTime {
                 priority: granted(privileges.priority.map(|outcome| outcome.is_ok())),
                 locked_memory: granted(privileges.locked_memory.map(|outcome| outcome.is_ok())),
-                awake: granted(privileges.awake.map(|outcome| outcome.is_ok())),
+                awake: granted(privileges.awake.as_ref().map(Result::is_ok)),
             },
             events: site
                 .log()

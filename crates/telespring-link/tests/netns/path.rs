@@ -89,7 +89,7 @@ impl Drop for Path {
 /// Carries packets until the path is over. What the kernel says of itself in IPv6 does not count and is not carried.
 fn carry(devices: &[SyncDevice; 2], mut lines: [Line; 2], shared: &Shared) {
     // above the loops of the tests: a busy machine does not make the path slower than asked, where this is granted
-    let _ = real_time::claim(Some(20), false);
+    let _ = real_time::claim(Some(20), false, false);
     let start = Instant::now();
     let mut room = [0; 2048];
     while !shared.is_over.load(Ordering::Relaxed) {

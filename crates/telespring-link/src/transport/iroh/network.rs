@@ -50,7 +50,7 @@ pub(super) fn run(
     bound: &SyncSender<Result<Vec<std::net::SocketAddr>, String>>,
 ) {
     // as long as it waits behind others, packets grow old; the loop goes first
-    real_time::claim(settings.priority, false);
+    real_time::claim(settings.priority, false, false);
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().max_blocking_threads(2).build();
     let runtime = match runtime {
         Ok(runtime) => runtime,
