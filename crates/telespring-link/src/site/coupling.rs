@@ -278,7 +278,7 @@ impl<D: Device, T: Transport> Site<D, T> {
     }
 
     /// The share of the force that acts.
-    pub(super) fn share(&self, now: LocalTime) -> f64 {
+    fn share(&self, now: LocalTime) -> f64 {
         let falling = match self.coupling {
             Coupling::Off => 0.0,
             Coupling::On { .. } => 1.0,
@@ -296,7 +296,8 @@ impl<D: Device, T: Transport> Site<D, T> {
             return [0.0; 2];
         }
         let wanted = self.endpoint.force(now);
-        (self.notes.asked, self.notes.forces.wanted) = (Some(now), Some(wanted));
-        self.gate.pass(now, wanted, self.share(now))
+        let share = self.share(now);
+        (self.notes.asked, self.notes.forces.wanted, self.notes.share) = (Some(now), Some(wanted), share);
+        self.gate.pass(now, wanted, share)
     }
 }

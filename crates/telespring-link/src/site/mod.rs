@@ -317,7 +317,7 @@ impl<D: Device, T: Transport> Site<D, T> {
             unnoted_arrivals: self.notes.unnoted,
             offset: self.offset.filter(|_| !is_coupled),
             consents: [self.accord.own.has_consented, self.accord.partner_consents()],
-            share: self.share(now),
+            share: self.notes.share,
             is_cut: self.gate.was_cut(),
         };
         self.tally.cut_ticks += u64::from(self.gate.was_cut());

@@ -36,7 +36,7 @@ pub struct Moment {
     pub offset: Option<[f64; 2]>,
     /// Whether the person here consents, and the one there.
     pub consents: [bool; 2],
-    /// The share of the force that acts: below 1 while it is softened or let down.
+    /// The share of the endpoint's force that is let through: below 1 while it is softened or let down, 0 without a force.
     pub share: f64,
     /// Whether the force was cut to its limit.
     pub is_cut: bool,
@@ -67,6 +67,18 @@ impl Moment {
     pub fn used_partner(&self) -> Option<PartnerView> {
         // while the endpoint is not asked, its view of the partner is that of an earlier time
         self.asked.and(self.session.partner)
+    }
+
+    /// Whether the strategy changed the force of the spring at this tick.
+    pub fn is_limited(&self) -> bool {
+        // while the endpoint is not asked, what it has to say is of an earlier time
+        self.asked.is_some() && self.session.outgoing.limited
+    }
+
+    /// The stiffness that acts, N/m: that of the strategy, as far as watchdog and site let it through; 0 without a force.
+    pub fn stiffness_in_use(&self) -> f64 {
+        let acts = self.used_partner().is_some();
+        if acts { self.session.outgoing.stiffness * self.session.enabled * self.share } else { 0.0 }
     }
 
     /// From the handle to the target while the session runs, m.

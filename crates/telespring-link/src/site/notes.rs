@@ -62,6 +62,8 @@ pub(super) struct Notes {
     /// Whether it was told the time alone.
     pub(super) is_timed: bool,
     pub(super) forces: Forces,
+    /// The share of the endpoint's force that was let through.
+    pub(super) share: f64,
     /// When the endpoint was asked for the force of this tick.
     pub(super) asked: Option<LocalTime>,
     pub(super) newest: Option<Newest>,
@@ -81,6 +83,7 @@ impl Notes {
             is_measured: false,
             is_timed: false,
             forces: Forces::default(),
+            share: 0.0,
             asked: None,
             newest: None,
             arrivals: Vec::with_capacity(MOST_DATAGRAMS),
@@ -93,7 +96,7 @@ impl Notes {
     /// The next tick begins.
     pub(super) fn begin(&mut self) {
         (self.is_measured, self.is_timed) = (false, false);
-        (self.forces, self.asked) = (Forces::default(), None);
+        (self.forces, self.share, self.asked) = (Forces::default(), 0.0, None);
         self.arrivals.clear();
         self.allowance = self.allowance.saturating_add(NOTED_PER_TICK).min(MOST_NOTED);
     }
