@@ -33,6 +33,7 @@ static const double VERSION = 1.0;
 static const double PERIOD = 0.001;  /* s, the sample period of the study */
 static const double DEADLINE = 0.02; /* s, how long a command acts */
 static const double LARGEST = 20.0;  /* N, the largest force that person and robot bear */
+static const double FORGET = 1.0;    /* s without a command, after which one of a telespring-link started anew is believed */
 static const double PATIENCE = 5.0;  /* s without any command, after which this program ends */
 
 /* A mass with a damper on each of two axes, moved by a hand that follows a slow circle. */
@@ -130,6 +131,7 @@ int main(int count, char **arguments) {
     while (now() - heard < PATIENCE) {
         sleep_until(start + (rows + 1.0) * PERIOD);
         double tick = now(), command[COMMAND_VALUES];
+        if (tick - told > FORGET) newest = 0.0;
         for (int looked = 0, taken = 1; taken != 0 && looked < MOST_ROWS; looked++) {
             taken = take(udp, command);
             if (taken < 1 || command[1] <= newest) continue;
