@@ -10,6 +10,7 @@ use telespring::session::wire::LENGTH;
 use telespring::session::{LocalTime, Motion, Span};
 use telespring::study::Study;
 use telespring_link::clock::Clock;
+use telespring_link::demo::ROBOTS;
 use telespring_link::device::{Command, Device, Fault, Reading};
 use telespring_link::hello::MAGIC;
 use telespring_link::operator::Order;
@@ -22,11 +23,7 @@ pub const PERIOD: Span = Span(1_000_000);
 
 /// The paper's two robots with these further lines of a study.
 pub fn hman_study(lines: &str) -> Study {
-    let text = format!(
-        "robot1 = {{axes = [\"x\", \"y\"], mass = [0.8334, 1.0649], damping = [7.7257, 10.1168]}}\n\
-         robot2 = {{axes = [\"x\", \"y\"], mass = [0.7776, 1.3407], damping = [7.4208, 9.3496]}}\n{lines}"
-    );
-    Study::from_toml(&text).unwrap()
+    Study::from_toml(&format!("{ROBOTS}{lines}")).unwrap()
 }
 
 /// A clock that stands still until it is set.
