@@ -23,6 +23,11 @@ _OPEN_LOOP = (
     "have met, not what it would have led to."
 )
 
+_NO_DEVICE = (
+    "The device of {} measured the force that acted; with other settings nobody knows what it would have "
+    "made of the command (a lag, a limit of its own). The energy account takes the commanded force."
+)
+
 
 def replay_screen(found: Replay, name: str) -> RenderableType:
     """Lay a replay out for the terminal: is it the recorded session, and what do other settings change."""
@@ -54,6 +59,9 @@ def replay_screen(found: Replay, name: str) -> RenderableType:
         )
         parts.append(Text(f"Replayed and recorded force differ by {apart} (RMS)."))
         parts.append(Text(_OPEN_LOOP, style="yellow"))
+        measured = [f"site {side.side}" for side in found.sides if side.recording.has_measured_force]
+        if measured:
+            parts.append(Text(_NO_DEVICE.format(" and ".join(measured)), style="yellow"))
     parts.append(Text(_partner(found)))
     return Group(*parts)
 
