@@ -210,7 +210,8 @@ def test_law_a_replay_says_what_of_the_device_it_does_not_know(files: tuple[Path
     assert [side["device_measured_force"] for side in other.to_dict()["sides"]] == [False, True]
     said = [shown(replay_screen(found, "session")) for found in (own, other)]
     assert "device" not in said[0]
-    assert "The device of site 2 measured the force that acted" in said[1]
+    assert "what a device would have made of it (a lag, a limit of its own) is not replayed." in said[1]
+    assert "The device of site 2 measured it in the session." in said[1]
 
 
 def test_law_a_recording_cut_off_reproduces_what_is_left(files: tuple[Path, Path], tmp_path: Path) -> None:

@@ -24,9 +24,10 @@ _OPEN_LOOP = (
 )
 
 _NO_DEVICE = (
-    "The device of {} measured the force that acted; with other settings nobody knows what it would have "
-    "made of the command (a lag, a limit of its own). The energy account takes the commanded force."
+    "The energy account takes the commanded force as the one that acted: what a device would have made of it "
+    "(a lag, a limit of its own) is not replayed."
 )
+_MEASURED = " The device of {} measured it in the session."
 
 
 def replay_screen(found: Replay, name: str) -> RenderableType:
@@ -60,8 +61,8 @@ def replay_screen(found: Replay, name: str) -> RenderableType:
         parts.append(Text(f"Replayed and recorded force differ by {apart} (RMS)."))
         parts.append(Text(_OPEN_LOOP, style="yellow"))
         measured = [f"site {side.side}" for side in found.sides if side.recording.has_measured_force]
-        if measured:
-            parts.append(Text(_NO_DEVICE.format(" and ".join(measured)), style="yellow"))
+        known = _MEASURED.format(" and ".join(measured)) if measured else ""
+        parts.append(Text(_NO_DEVICE + known, style="yellow"))
     parts.append(Text(_partner(found)))
     return Group(*parts)
 

@@ -16,6 +16,9 @@ impl ForceLimits {
     pub const NONE: Self = Self { largest: f64::INFINITY, rise: f64::INFINITY };
 }
 
+/// A live site takes a device without a command for longer than this as one that may have let go.
+const HELD: Span = Span(10_000_000);
+
 /// The gate between endpoint and device, as a live site has it (`cross_what_a_site_tells_reproduces_its_session` holds the two
 /// together): a share of the force, cut along its direction to a limit of its size and of its growth.
 #[derive(Debug, Clone)]
@@ -53,6 +56,12 @@ impl Gate {
         self.passed = [(force, force == wanted), last];
         self.at = Some(now);
         force
+    }
+
+    /// A motion is measured now: after a standstill the next force grows for one sample period only.
+    pub(super) fn measure(&mut self, now: LocalTime) {
+        let held = HELD.max(self.sample_period + self.sample_period);
+        self.at = self.at.filter(|at| now - *at <= held);
     }
 
     /// Nothing goes through: the next force grows from zero.

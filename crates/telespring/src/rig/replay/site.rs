@@ -175,6 +175,9 @@ impl<'a> RunningReplay<'a> {
             }
             return;
         };
+        if motion.impossible_value().is_none() {
+            self.gate.measure(tick.time);
+        }
         let acted = match self.acted {
             Acted::Recorded => tick.acted,
             Acted::Replayed => self.gate.acted(),
