@@ -145,7 +145,8 @@ impl Device for UdpDevice {
     }
 
     fn command(&mut self, now: LocalTime, command: Command) {
-        self.orders += 1;
+        // From the time on: the device acts on a higher number only, also after this program was started anew.
+        self.orders = if self.orders == 0 { now.0 / 1000 } else { self.orders } + 1;
         let answers = self.newest.map_or([0.0; 2], |state| [state.sequence, state.time]);
         let Command { force, is_running, is_over } = command;
         let order = Order { sequence: self.orders as f64, answers, force, is_running, is_over };
@@ -342,6 +343,26 @@ mod tests {
         robot.send_row(&Request::encode(0.0, 1.0, 0.0));
         assert!(device.read(at(500)).is_ok());
         assert_eq!(device.poll_order(), Some(Consent));
+    }
+
+    #[test]
+    fn law_after_a_new_start_commands_are_newer_than_those_before() {
+        let robot = UdpSocket::bind("127.0.0.1:0").unwrap();
+        robot.set_read_timeout(Some(std::time::Duration::from_secs(2))).unwrap();
+        let mut newest = 0.0;
+        // sessions one after the other, the first with a command per 0.5 ms
+        for (start, commands, interval) in [(7, 2000, 500_000), (1_000_000_300, 5, 1_000_000)] {
+            let site = UdpSocket::bind("127.0.0.1:0").unwrap();
+            let mut device = UdpDevice::on(site, robot.local_addr().unwrap(), Span(100_000_000)).unwrap();
+            for number in 0..commands {
+                device.command(LocalTime(start + number * interval), Command::default());
+                let mut row = [0; 100];
+                let length = robot.recv(&mut row).unwrap();
+                let order = Order::decode(&row[..length]).unwrap();
+                assert!(order.sequence > newest, "{} after {newest}", order.sequence);
+                newest = order.sequence;
+            }
+        }
     }
 
     #[test]

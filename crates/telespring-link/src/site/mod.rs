@@ -248,7 +248,8 @@ impl<D: Device, T: Transport> Site<D, T> {
             self.log.push(now, Happened::Path(event));
         }
         let consents = self.accord.own.has_consented;
-        if std::mem::replace(&mut self.told_consent, consents) != consents {
+        // whoever leaves needs none any more
+        if std::mem::replace(&mut self.told_consent, consents) != consents && self.left.is_none() {
             self.log.push(now, if consents { Happened::Consented } else { Happened::ConsentLost });
         }
         if self.recording_alarm.load(Ordering::Relaxed) && self.recording_alarm.swap(false, Ordering::Relaxed)

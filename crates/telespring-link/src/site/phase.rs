@@ -3,7 +3,7 @@
 use crate::device::Fault;
 use crate::hello::Disagreement;
 
-/// The state of a live session. Only in the last but one row of `docs/connect.md`'s table does a force act.
+/// The state of a live session: the table in `docs/connect.md`. A force acts in three of them ([`Phase::is_coupled`]).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Phase {
     /// The two sides do not hear each other, or do not agree on the terms.
