@@ -95,8 +95,8 @@ fn law_markers_of_the_command_line_are_in_the_record() {
     for console in [&[][..], &["--console"]] {
         let output =
             record(&folder, "0.5", &[&marks[..], console].concat()).stdin(Stdio::null()).output().unwrap();
-        // too short for a session
-        assert_eq!(output.status.code(), Some(1), "{output:?}");
+        // whether it came to a session in this time or not
+        assert!([Some(0), Some(1)].contains(&output.status.code()), "{output:?}");
     }
     let files = files(&folder);
     assert_eq!(files.len(), 4);
