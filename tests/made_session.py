@@ -162,6 +162,8 @@ def write_recording(path: Path, site: ts.SiteRecording) -> Path:
                 watchdog="engaged",
                 is_measured=bool(site.is_given[tick]),
                 share=float(site.share[tick, 0]),
+                stiffness_wanted=site.study.stiffness,
+                stiffness=site.study.stiffness,
             )
             if site.answered[tick]:
                 row.asked_time = int(site.answered[tick])

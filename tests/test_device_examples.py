@@ -59,7 +59,7 @@ def test_law_a_device_believes_newer_finite_commands_up_to_its_limit(device: lis
                 except BlockingIOError:
                     break
             site.settimeout(30.0)
-            speeds = [STATE.unpack(site.recv(1024))[5] for _ in range(40)]
+            speeds = [float(STATE.unpack(site.recv(1024))[5]) for _ in range(40)]
             assert all(map(math.isfinite, speeds))
             return sum(speeds) / len(speeds)
 

@@ -70,8 +70,8 @@ def replay(
     >>> own.is_reproduced, own.partner
     (True, 'replayed')
     >>> later = ts.replay("session.mcap", playout={"kind": "fixed", "delay": 0.02}, stiffness=50.0)
-    >>> later.study.session.playout_delay, later.sides[0].recorded_numbers == own.sides[0].numbers
-    (0.02, True)
+    >>> later.study.session.playout_delay, later.acted_force, own.acted_force
+    (0.02, 'as commanded', 'as recorded')
     """
     sites = _sites(session, other)
     recorded_study = sites[0].study
