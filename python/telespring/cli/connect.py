@@ -145,9 +145,9 @@ def connect_command(
     recorded = {"record": record, **marks}
     program = find_program()
     if check is not None:
-        for name, value in recorded.items():
-            if value is not None:
-                raise InvalidInput(f"--{name}", str(value), "a check records nothing", "Leave it out.")
+        for name, left in recorded.items():
+            if left is not None:
+                raise InvalidInput(f"--{name}", str(left), "a check records nothing", "Leave it out.")
         raise typer.Exit(_check(program, check, seconds, as_json=as_json))
     if seconds is not None:
         given["seconds"] = seconds
