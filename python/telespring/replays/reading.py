@@ -76,7 +76,7 @@ def _share(side: SideRecording) -> FloatArray:
         for axis in ("x", "y")
     ]
     # multiplied as the site does
-    return np.asarray(found, dtype=np.float64)[:, None] * np.array(scale)
+    return np.asarray(np.outer(np.asarray(found, dtype=np.float64), scale))
 
 
 def _session(side: SideRecording) -> int:
