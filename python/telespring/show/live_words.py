@@ -80,7 +80,7 @@ _EVENTS = {
     "path-direct": "packets go directly to the partner",
     "path-relayed": "packets go through the relay",
     "path-withheld": "only the relay is left, which may carry no packets",
-    "path-refused": "somebody unknown was refused",
+    "path-refused": "the partner does not know the key of this site",
     "path-rate": "the rate of the packets has changed",
     "partner-found": "hears the partner",
     "partner-restarted": "the partner has started anew",
