@@ -10,6 +10,7 @@ use std::os::fd::OwnedFd;
 use std::sync::Arc;
 
 use rustix::event::{EventfdFlags, eventfd};
+use tokio::io::Interest;
 use tokio::io::unix::AsyncFd;
 
 /// The loop's end.
@@ -33,7 +34,7 @@ impl Bell {
     /// The other end, within a tokio runtime.
     pub(super) fn ear(&self) -> Result<Ear, Error> {
         // SAFETY: the descriptor is shared, never exchanged, and closes with its last owner, after this one.
-        Ok(Ear(unsafe { AsyncFd::register(Arc::clone(&self.0)) }?))
+        Ok(Ear(unsafe { AsyncFd::register_with_interest(Arc::clone(&self.0), Interest::READABLE) }?))
     }
 }
 
