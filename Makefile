@@ -46,7 +46,7 @@ link: link-toolchain ## build the live program, target/release/telespring-link (
 HOST := $(shell rustc -vV 2>/dev/null | sed -n 's/^host: //p')
 link-static: link-toolchain ## build the live program as one static file, in target/HOST/release
 	RUSTFLAGS='-C target-feature=+crt-static' cargo build --release --locked -p telespring-link --target $(HOST)
-	@echo target/$(HOST)/release/telespring-link
+	@echo $${CARGO_TARGET_DIR:-target}/$(HOST)/release/telespring-link
 
 # Real-time tests: they share the machine with nobody who can help it.
 test-link: link-toolchain ## test the live program
