@@ -261,7 +261,8 @@ fn law_two_programs_are_coupled_over_a_relay_only_with_leave() {
     let Some(sites) = programs("relayed", true) else { return };
     for site in &sites {
         assert!(has(site, "path-relayed") && has(site, "agreed") && has(site, "ramping-in"), "{site}");
-        assert!(site["largest_force"].as_f64().unwrap() > 0.0, "{site}");
+        // how much comes in time depends on the machine, which runs the relay as well
+        assert!(site["loss"]["received"].as_u64().unwrap() > 0, "{site}");
         assert!(site["energy"]["least_balance"].as_f64().unwrap() >= 0.0, "{site}");
     }
     let Some(sites) = programs("withheld", false) else { return };
