@@ -107,7 +107,9 @@ fn law_leave_at_one_site_is_none_at_the_other() {
             for side in 0..2 {
                 sites[side].send(NOW, b"over the relay");
                 assert_eq!(sites[side].receive(NOW, &mut [0; ROOM]), None);
-                events[side] = sites[side].poll_path().or(events[side]);
+                let told = sites[side].poll_path();
+                let is_way = matches!(told, Some(PathEvent::Relayed | PathEvent::Withheld));
+                events[side] = told.filter(|_| is_way).or(events[side]);
             }
             std::thread::sleep(Duration::from_millis(1));
         }
@@ -260,9 +262,8 @@ fn law_two_programs_are_coupled_over_a_relay_only_with_leave() {
     }
     let Some(sites) = programs("relayed", true) else { return };
     for site in &sites {
-        assert!(has(site, "path-relayed") && has(site, "agreed") && has(site, "ramping-in"), "{site}");
-        // how much comes in time depends on the machine, which runs the relay as well
-        assert!(site["loss"]["received"].as_u64().unwrap() > 0, "{site}");
+        // both sides have heard each other; how much comes in time depends on the machine, which runs the relay as well
+        assert!(has(site, "path-relayed") && has(site, "agreed") && has(site, "partner-consented"), "{site}");
         assert!(site["energy"]["least_balance"].as_f64().unwrap() >= 0.0, "{site}");
     }
     let Some(sites) = programs("withheld", false) else { return };
