@@ -58,7 +58,7 @@ def main() -> None:
     handle = Handle()
     force, newest, told = [0.0, 0.0], 0.0, -math.inf
     start = heard = moved = time.monotonic()
-    rows, largest = 0, 0.0
+    rows, commands, largest = 0, 0, 0.0
     while time.monotonic() - heard < PATIENCE:
         time.sleep(max(0.0, start + (rows + 1) * PERIOD - time.monotonic()))
         now = time.monotonic()
@@ -74,8 +74,9 @@ def main() -> None:
             version, sequence, _, _, x, y, _, over = COMMAND.unpack(row)
             if version == 1.0 and sequence > newest:
                 newest, force, told, heard = sequence, [x, y], now, now
+                commands += 1
                 if over == 1.0:
-                    print(f"{rows} rows, {newest:.0f} commands, {largest:.3f} N at most")
+                    print(f"{rows} rows, {commands} commands, {largest:.3f} N at most")
                     return
         if now - told > DEADLINE:
             force = [0.9 * force[0], 0.9 * force[1]]  # nobody commands: let go

@@ -28,7 +28,7 @@ pub struct Moment {
     pub force: [f64; 2],
     /// The energy in the account, J; `None` if the strategy keeps none.
     pub balance: Option<f64>,
-    /// The age of the partner's motion in use, s.
+    /// The age of the partner's motion in use, s; `None` while nothing is coupled.
     pub age: Option<f64>,
     /// When the partner's latest packet came.
     pub heard: Option<LocalTime>,
@@ -42,7 +42,7 @@ pub struct Moment {
     pub is_cut: bool,
     /// The device's stamp of its newest measurement.
     pub stamp: Option<Stamp>,
-    /// How much longer than ever the motion took from the device to the tick, s.
+    /// How much longer than the shortest lately the motion took from the device to the tick, s.
     pub device_delay: Option<f64>,
     /// Whether the endpoint was given the motion, and the target if there is one.
     pub is_measured: bool,
@@ -78,7 +78,8 @@ impl Moment {
 
     /// Where the time went, of a tick that began `lateness` after it was due.
     pub fn latency(&self, lateness: Span) -> Latency {
-        let network = self.newest.as_ref().and_then(|newest| transit(newest, self.session.clock.offset));
+        let newest = self.newest.as_ref().filter(|_| self.phase.is_coupled());
+        let network = newest.and_then(|newest| transit(newest, self.session.clock.offset));
         let used = self.used_partner();
         Latency {
             device: self.device_delay,
