@@ -141,9 +141,9 @@ fn law_a_wrong_key_is_refused_counted_and_moves_nothing() {
         assert_eq!([&site["path"]["connections"], &site["loss"]["received"]], [0, 0], "{site}");
         assert!(!events(site).contains(&"agreed"), "{site}");
     }
-    // nothing fills the log, and the one who is refused is told
-    assert_eq!(events(&first), ["ended"], "{first}");
-    assert_eq!(events(&second), ["path-refused", "ended"], "{second}");
+    // nothing fills the log, and both are told
+    assert_eq!(events(&first), ["path-stranger", "partner-awaited", "ended"], "{first}");
+    assert_eq!(events(&second), ["path-refused", "partner-awaited", "ended"], "{second}");
     // so do their checks say
     let [site, other] = write_sites(&folder, &ids);
     let checks = [&site, &other].map(|site| program().arg("check").arg(site).spawn().unwrap());

@@ -122,15 +122,15 @@ impl Trace {
     pub fn silences(&self) -> usize {
         let silence = Some("silence");
         let mut silences = 0;
-        let mut events = self.summary.events.iter();
+        // whoever leaves lets go anyway, and what a silence does to that force is not told to its end
+        let mut events = self.summary.events.iter().take_while(|entry| entry.event != "leaving");
         while let Some(entry) = events.next() {
             if (entry.event, entry.cause.as_deref()) != ("force-ramping-out", silence) {
                 continue;
             }
             // what the session says beside its endpoint does not count
-            let is_endpoints = |entry: &&Entry| {
-                matches!(entry.event, "disengaged" | "partner-restarted" | "leaving" | "engaged")
-            };
+            let is_endpoints =
+                |entry: &&Entry| matches!(entry.event, "disengaged" | "partner-restarted" | "engaged");
             let mut after = events.by_ref().filter(is_endpoints);
             let end = after.next().map(|entry| (entry.event, entry.cause.as_deref()));
             assert!(
