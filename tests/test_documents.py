@@ -24,6 +24,7 @@ DOCUMENTS = [
     "docs/device-protocol.md",
     "docs/drivers.md",
     "docs/faults.md",
+    "docs/formats.md",
     "docs/hazards.md",
     "docs/network.md",
     "docs/prediction.md",
