@@ -273,16 +273,22 @@ def test_law_another_pair_is_another_run(tmp_path: Path) -> None:
     ],
 )
 def test_law_what_bids_cannot_say_is_refused(
-    root: Path, tmp_path: Path, options: list[str], said: str
+    folder_with_a_session: Path, tmp_path: Path, options: list[str], said: str
 ) -> None:
-    command = ["export", str(root / "examples" / "session.mcap"), "--bids", str(tmp_path / "bids"), *options]
+    command = [
+        "export",
+        str(folder_with_a_session / "session.mcap"),
+        "--bids",
+        str(tmp_path / "bids"),
+        *options,
+    ]
     done = CliRunner().invoke(app, command)
     assert done.exit_code == 2
     assert said in " ".join(done.output.split())
     assert not (tmp_path / "bids").exists()
 
 
-def test_law_an_export_of_nothing_is_refused(root: Path) -> None:
-    done = CliRunner().invoke(app, ["export", str(root / "examples" / "session.mcap")])
+def test_law_an_export_of_nothing_is_refused(folder_with_a_session: Path) -> None:
+    done = CliRunner().invoke(app, ["export", str(folder_with_a_session / "session.mcap")])
     assert done.exit_code == 2
     assert "--bids" in done.output

@@ -27,9 +27,11 @@ def trials(root: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def session(root: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def session(folder_with_a_session: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     file = tmp_path_factory.mktemp("mat") / "session.mat"
-    done = CliRunner().invoke(app, ["export", str(root / "examples" / "session.mcap"), "--mat", str(file)])
+    done = CliRunner().invoke(
+        app, ["export", str(folder_with_a_session / "session.mcap"), "--mat", str(file)]
+    )
     assert done.exit_code == 0, done.output
     return file
 
@@ -61,9 +63,9 @@ def test_law_trials_are_an_array_of_structs(root: Path, trials: Path) -> None:
     assert content["about"]["format"] == "telespring mat 1"
 
 
-def test_law_a_session_has_everything_over_time(root: Path, session: Path) -> None:
+def test_law_a_session_has_everything_over_time(folder_with_a_session: Path, session: Path) -> None:
     content = io.loadmat(session, simplify_cells=True)
-    recording = ts.read_recording(root / "examples" / "session.mcap")
+    recording = ts.read_recording(folder_with_a_session / "session.mcap")
     data = recording.dataset()
     found = content["session"]
     assert np.array_equal(found["time"], data["time"])
@@ -89,8 +91,8 @@ def test_law_equal_trials_give_equal_bytes(root: Path, trials: Path, tmp_path: P
     assert again.read_bytes() == trials.read_bytes()
 
 
-def test_law_fewer_samples_on_request(root: Path, tmp_path: Path) -> None:
-    file = ts.export_mat(root / "examples" / "session.mcap", tmp_path / "slow.mat", rate=50.0)
+def test_law_fewer_samples_on_request(root: Path, folder_with_a_session: Path, tmp_path: Path) -> None:
+    file = ts.export_mat(folder_with_a_session / "session.mcap", tmp_path / "slow.mat", rate=50.0)
     time = io.loadmat(file, simplify_cells=True)["session"]["time"]
     assert np.diff(time) == pytest.approx(0.02)
     with pytest.raises(ts.InvalidInput, match="only the samples of a live session"):

@@ -117,7 +117,7 @@ def export_bids(
     --------
     >>> import tempfile
     >>> import telespring as ts
-    >>> export = ts.export_bids("examples/session.mcap", tempfile.mkdtemp(), participants=["P01", "P02"])
+    >>> export = ts.export_bids("session.mcap", tempfile.mkdtemp(), participants=["P01", "P02"])
     >>> [file.name for file in export.files]
     ['sub-P01_ses-01_task-coupled_tracksys-robot_run-01_motion.tsv',
      'sub-P02_ses-01_task-coupled_tracksys-robot_run-01_motion.tsv']
