@@ -70,7 +70,7 @@ def test_law_a_session_has_everything_over_time(folder_with_a_session: Path, ses
     found = content["session"]
     assert np.array_equal(found["time"], data["time"])
     for robot in (1, 2):
-        for name in ("position", "coupling_force", "age"):
+        for name in ("position", "velocity", "coupling_force"):
             there = found["robot"][robot - 1][name]
             assert np.array_equal(there, data[name].sel(robot=robot), equal_nan=True), name
     assert [event["name"] for event in found["event"]] == [event.event for event in recording.events]
