@@ -81,7 +81,7 @@ def made_wheel(path: Path, folder: str) -> Path:
 
 
 def test_law_a_wheel_forgets_where_it_was_built(root: Path, tmp_path: Path) -> None:
-    wheels = []
+    wheels: list[Path] = []
     for folder in ("/one/place", "/another place/of/mine"):
         path = made_wheel(tmp_path / f"{len(wheels)}.whl", folder.replace(" ", "%20"))
         subprocess.run([sys.executable, root / "tools" / "settle_wheel.py", path, folder], check=True)
