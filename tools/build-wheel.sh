@@ -1,23 +1,24 @@
 #!/bin/sh
-# Builds the wheel and the source distribution:  build-wheel.sh FOLDER [SOURCES]
+# Builds the source distribution, and the wheel from it:  build-wheel.sh FOLDER [SDIST]
 #
-# SOURCES is an unpacked source distribution, by default this repository.
-# The wheel runs on every Linux with glibc 2.17 (2012) or newer and Python 3.11 or newer. The same sources and tools give the
-# same bytes, in whatever folder and whenever: paths are mapped away, and the only date is that of the sources.
+# With SDIST, one that was built before, only the wheel. It runs on every Linux with glibc 2.17 (2012) or newer and Python 3.11 or
+# newer. The same sources and tools give the same bytes, in whatever folder and whenever: paths are mapped away, and the only date
+# is that of the sources. It is built from the source distribution, because the whole workspace resolves to more dependencies, which
+# the bill of materials would list.
 #
-# MATURIN, if set, is the program to build with; TARGET, if set, the machine to build for, as rustc names it.
+# MATURIN, if set, is the program to build with; TARGET the machine to build for, as rustc names it; BUILD the folder to build in.
 set -eu
 
 folder=$(mkdir -p "$1" && cd "$1" && pwd)
-tools=$(cd "$(dirname "$0")" && pwd)
-cd "${2:-$tools/..}"
+cd "$(dirname "$0")/.."
 root=$(pwd)
-case $root in *[[:space:]]*)
-    echo "build-wheel: $root has a space in its name, which flags of rustc cannot have." >&2
+maturin=${MATURIN:-$root/.venv/bin/maturin}
+build=${BUILD:-$root/target/wheel}
+case $build in *[[:space:]]*)
+    echo "build-wheel: $build has a space in its name, which flags of rustc cannot have: name another folder in BUILD." >&2
     exit 1
     ;;
 esac
-maturin=${MATURIN:-$tools/../.venv/bin/maturin}
 # zig and its linker are a Python package next to maturin
 PATH=$(dirname "$maturin"):$PATH
 export PATH
@@ -32,26 +33,43 @@ if [ -z "$SOURCE_DATE_EPOCH" ]; then
 fi
 export SOURCE_DATE_EPOCH
 
+sdist=${2-}
+if [ -z "$sdist" ]; then
+    "$maturin" sdist --out "$folder"
+    sdist=$(ls "$folder"/telespring-*.tar.gz)
+fi
+mkdir -p "$build"
+rm -rf "$build/sources" "$build/out"
+mkdir "$build/sources"
+tar xzf "$sdist" -C "$build/sources" --strip-components 1
+
 # Names of files are in the messages of a panic.
-cargo_home=${CARGO_HOME:-$HOME/.cargo}
-RUSTFLAGS="--remap-path-prefix=$root=/telespring --remap-path-prefix=$cargo_home=/cargo"
+RUSTFLAGS="--remap-path-prefix=$build/sources=/telespring --remap-path-prefix=${CARGO_HOME:-$HOME/.cargo}=/cargo"
 RUSTFLAGS="$RUSTFLAGS --remap-path-prefix=$(rustc --print sysroot)=/rust"
 export RUSTFLAGS
 # A folder of its own: other flags would make cargo build everything else anew each time.
-CARGO_TARGET_DIR=${CARGO_TARGET_DIR:-$root/target/wheel}
+CARGO_TARGET_DIR=$build/target
 export CARGO_TARGET_DIR
 
-python=$(dirname "$maturin")/python
-# A source distribution has the lock of the whole workspace, and cargo takes out of it what it lacks.
-if [ $# -lt 2 ]; then
-    set -- --locked --sdist
-else
-    set --
-fi
+set -- --release --zig --compatibility manylinux_2_17 --out "$build/out"
 if [ -n "${TARGET-}" ]; then
     set -- "$@" --target "$TARGET"
 fi
-"$maturin" build --release --zig --compatibility manylinux_2_17 --out "$folder" "$@"
-for wheel in "$folder"/*.whl; do
-    "$python" "$tools/settle_wheel.py" "$wheel" "$root"
+(cd "$build/sources" && "$maturin" build "$@")
+
+# The lock is that of the whole workspace: cargo took out of it what the sources lack, and must have changed nothing else.
+pairs() {
+    sed -n '/^name = /{N;s/\n/ /p;}' "$1" | sort
+}
+pairs Cargo.lock >"$build/locked"
+pairs "$build/sources/Cargo.lock" | comm -23 - "$build/locked" >"$build/unlocked"
+if [ -s "$build/unlocked" ]; then
+    echo "build-wheel: built with versions that Cargo.lock does not have:" >&2
+    cat "$build/unlocked" >&2
+    exit 1
+fi
+
+for wheel in "$build"/out/*.whl; do
+    "$(dirname "$maturin")/python" tools/settle_wheel.py "$wheel" "$build/sources"
+    mv "$wheel" "$folder"
 done
