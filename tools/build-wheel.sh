@@ -11,9 +11,11 @@ set -eu
 
 folder=$(mkdir -p "$1" && cd "$1" && pwd)
 cd "$(dirname "$0")/.."
-root=$(pwd)
+root=$(pwd -P)
 maturin=${MATURIN:-$root/.venv/bin/maturin}
+# as cargo sees it, without links
 build=${BUILD:-$root/target/wheel}
+build=$(mkdir -p "$build" && cd "$build" && pwd -P)
 case $build in *[[:space:]]*)
     echo "build-wheel: $build has a space in its name, which flags of rustc cannot have: name another folder in BUILD." >&2
     exit 1
@@ -38,7 +40,6 @@ if [ -z "$sdist" ]; then
     "$maturin" sdist --out "$folder"
     sdist=$(ls "$folder"/telespring-*.tar.gz)
 fi
-mkdir -p "$build"
 rm -rf "$build/sources" "$build/out"
 mkdir "$build/sources"
 tar xzf "$sdist" -C "$build/sources" --strip-components 1

@@ -141,6 +141,17 @@ fn law_a_wrong_key_is_refused_counted_and_moves_nothing() {
     // nothing fills the log, and the one who is refused is told
     assert_eq!(events(&first), ["ended"], "{first}");
     assert_eq!(events(&second), ["path-refused", "ended"], "{second}");
+    // so do their checks say
+    let [site, other] = write_sites(&folder, &ids);
+    let checks = [&site, &other].map(|site| program().arg("check").arg(site).spawn().unwrap());
+    let expected = [("warning", "was refused"), ("failed", "does not know")];
+    for (check, (verdict, said)) in checks.into_iter().zip(expected) {
+        let report = summary(&check.wait_with_output().unwrap());
+        let items = report["items"].as_array().unwrap();
+        let partner = items.iter().find(|item| item["item"] == "partner").unwrap();
+        assert_eq!(partner["verdict"], verdict, "{report}");
+        assert!(partner["found"].as_str().unwrap().contains(said), "{report}");
+    }
 }
 
 #[test]
@@ -170,6 +181,12 @@ fn law_what_cannot_be_is_refused_at_the_door() {
         ("peer = [\"", "peer = [\"127.0.0.1:0\", \"", "network.peer = 127.0.0.1:0"),
         ("peer = [\"", "peer = [\"224.0.0.1:5\", \"", "network.peer = 224.0.0.1:5"),
         (key, "key = \"1.key\"\nrelayed = true", "network.relayed"),
+        (key, "key = \"1.key\"\nrelay_authority = \"connect.toml\"", "network.relay_authority = given"),
+        (
+            key,
+            "key = \"1.key\"\nrelay = \"https://relay.example.org\"\nrelay_authority = \"connect.toml\"",
+            "BEGIN CERTIFICATE",
+        ),
         (key, "key = \"1.key\"\nrelay = \"relay.example.org\"", "network.relay"),
         (key, "key = \"1.key\"\nrelay = \"http://relay.example.org\"", "network.relay"),
         (key, "key = \"1.key\"\nrelay = \"https://a:b@relay.example.org\"", "network.relay"),
@@ -188,9 +205,15 @@ fn law_what_cannot_be_is_refused_at_the_door() {
     assert!(message.contains("never overwritten"), "{message}");
     let message = refusal(&["relay-config", "relay.example.org", "--id", "no id"]);
     assert!(message.contains("--id"), "{message}");
-    let printed = said(&run(&["relay-config", "relay.example.org", "--id", &ids[0], "--id", &ids[1]]));
-    assert!(
-        printed.contains(&ids[0]) && printed.contains(&ids[1]) && printed.contains("allowlist"),
-        "{printed}"
-    );
+    // iroh-relay gets no certificate without an address, and would not start
+    let message = refusal(&["relay-config", "relay.example.org", "--id", &ids[0]]);
+    assert!(message.contains("--contact"), "{message}");
+    for certificate in [&["--contact", "you@example.org"][..], &["--own-certificate"]] {
+        let asked = ["relay-config", "relay.example.org", "--id", &ids[0], "--id", &ids[1]];
+        let printed = said(&run(&[&asked[..], certificate].concat()));
+        assert!(
+            printed.contains(&ids[0]) && printed.contains(&ids[1]) && printed.contains("allowlist"),
+            "{printed}"
+        );
+    }
 }

@@ -140,6 +140,19 @@ fn orders<const N: usize>(
     Ok(orders.map(Some))
 }
 
+/// Sets `stop` once the input has ended, if a program writes it: whoever watched is gone then. What it says is not read.
+fn stop_with_input(stop: &Arc<AtomicBool>) -> Result<(), Failure> {
+    if is_written_by_program(&std::io::stdin()) {
+        let stop = Arc::clone(stop);
+        let wait = move || {
+            let _ = std::io::copy(&mut std::io::stdin(), &mut std::io::sink());
+            stop.store(true, Ordering::Relaxed);
+        };
+        std::thread::Builder::new().name("input".to_owned()).spawn(wait)?;
+    }
+    Ok(())
+}
+
 /// Success if every side ran, and was left as people leave.
 fn outcome<'a>(sides: impl IntoIterator<Item = &'a Summary>) -> ExitCode {
     let fine = sides.into_iter().all(|side| {

@@ -159,6 +159,15 @@ impl Device for UdpDevice {
         oldest
     }
 
+    fn lacks(&self) -> Option<&'static str> {
+        self.newest.and_then(|state| match (state.is_homed, state.is_enabled) {
+            (false, false) => Some("it is not homed, and its motors are not enabled"),
+            (false, true) => Some("it is not homed"),
+            (true, false) => Some("its motors are not enabled"),
+            (true, true) => None,
+        })
+    }
+
     fn pace(&self) -> Option<BorrowedFd<'_>> {
         Some(self.link.as_fd())
     }

@@ -8,7 +8,7 @@ mod emulated;
 mod iroh;
 mod udp;
 
-pub use self::iroh::{ALPN, Iroh, IrohSettings};
+pub use self::iroh::{ALPN, Authority, Iroh, IrohSettings};
 pub use emulated::Emulated;
 pub use udp::Udp;
 
