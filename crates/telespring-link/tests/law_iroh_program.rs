@@ -83,9 +83,12 @@ fn law_two_programs_are_coupled_and_say_goodbye() {
     let second = other.wait_with_output().unwrap();
     let sites = [summary(&first), summary(&second)];
     assert_eq!([first.status.code(), second.status.code()], [Some(0), Some(0)], "{sites:?}");
-    assert_eq!([&sites[0]["cause"], &sites[1]["cause"]], ["stop-requested", "partner-left"]);
+    assert_eq!([&sites[0]["cause"], &sites[1]["cause"]], ["time-over", "partner-left"]);
     for site in &sites {
-        assert!(events(site).contains(&"path-direct") && events(site).contains(&"ramping-in"), "{site}");
+        assert!(
+            events(site).contains(&"path-direct") && events(site).contains(&"force-ramping-in"),
+            "{site}"
+        );
         assert!(site["path"]["connections"].as_u64().unwrap() >= 1, "{site}");
         assert_eq!([&site["path"]["strangers"], &site["path"]["every"]], [0, 1], "{site}");
         assert!(site["largest_force"].as_f64().unwrap() > 0.0, "{site}");
@@ -107,7 +110,7 @@ fn law_a_partner_that_is_killed_and_started_again_is_greeted_anew() {
     let again = start(&second, "8").wait_with_output().unwrap();
     let stayed = stays.wait_with_output().unwrap();
     let [stayed, again] = [summary(&stayed), summary(&again)];
-    assert_eq!([&stayed["cause"], &again["cause"]], ["partner-left", "stop-requested"], "{stayed} {again}");
+    assert_eq!([&stayed["cause"], &again["cause"]], ["partner-left", "time-over"], "{stayed} {again}");
     let agreed = events(&stayed).iter().filter(|event| **event == "agreed").count();
     assert_eq!(agreed, 2, "{stayed}");
     // the force was gone in between, because of silence
@@ -175,7 +178,7 @@ fn law_what_cannot_be_is_refused_at_the_door() {
         (&id, own.as_str(), "the partner's id, not this site's"),
         ("local = \"", "local = \"[::1]:1\" # \"", "network.peer"),
         ("local = \"", "locale = \"", "unknown field `locale`"),
-        ("local = \"127", "local = \"x127", "invalid socket address"),
+        ("local = \"127", "local = \"x127", "expected an address with a port, such as \"127.0.0.1:4500\""),
         ("local = \"", "local = [\"0.0.0.0:1\", \"0.0.0.0:2\"] # \"", "at most one address of IPv4"),
         ("peer = [\"", "peer = [\"0.0.0.0:1\", \"", "network.peer = 0.0.0.0:1"),
         ("peer = [\"", "peer = [\"127.0.0.1:0\", \"", "network.peer = 127.0.0.1:0"),

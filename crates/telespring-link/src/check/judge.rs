@@ -10,6 +10,8 @@ use crate::transport::PathEvent;
 const MOST_OVERRUNS: f64 = 0.05;
 /// A device may send at least this share of its rows.
 const FEWEST_ROWS: f64 = 0.9;
+/// Each row begins a tick, so more of them make the loop faster than the study says.
+const MOST_ROWS: f64 = 1.1;
 const CAPABILITIES: &str = "Run `setcap cap_sys_nice,cap_ipc_lock+ep` on the program, or start it as root.";
 
 /// What the operating system granted.
@@ -90,7 +92,7 @@ pub(super) fn device(seen: &Seen, period: f64, seconds: f64) -> Item {
         };
         return wrong(Verdict::Warning, &what, remedy);
     }
-    if rate * period < FEWEST_ROWS {
+    if !(FEWEST_ROWS..=MOST_ROWS).contains(&(rate * period)) {
         let what = format!("the study has {:.0} sample periods per second", 1.0 / period);
         return wrong(Verdict::Warning, &what, "Send one row per sample period of the study.");
     }
@@ -107,7 +109,8 @@ pub(super) fn partner(summary: &Summary) -> Item {
         }
         Some(entry) => {
             let what = entry.cause.as_deref().unwrap_or("something");
-            let remedy = "Give both sites the same study and program, and each its own side.";
+            let remedy =
+                entry.remedy.unwrap_or("Give both sites the same study and program, and each its own side.");
             Item::wrong("partner", Verdict::Failed, format!("it is there, and disagrees on: {what}"), remedy)
         }
         None => nobody(summary),
@@ -206,6 +209,7 @@ mod tests {
                 "not ready: it naps",
             ),
             (Seen { rows: 500, ..good }, Verdict::Warning, "100 rows per second"),
+            (Seen { rows: 9000, ..good }, Verdict::Warning, "1800 rows per second"),
         ] {
             let (judged, found) = judged(seen);
             assert_eq!(judged, verdict, "{found}");

@@ -49,6 +49,10 @@ impl<D> Watched<D> {
 }
 
 impl<D: Device> Device for Watched<D> {
+    fn listen(&mut self, now: LocalTime) -> bool {
+        self.device.listen(now)
+    }
+
     fn read(&mut self, now: LocalTime) -> Result<Reading, Fault> {
         let mut seen = self.seen.get();
         let reading = match self.device.read(now) {

@@ -87,6 +87,13 @@ impl Fault {
 
 /// The robot of one side. No call waits or allocates.
 pub trait Device {
+    /// Takes what the device has sent so far; whether it has measured anew since the latest reading. Only a device with a pace
+    /// of its own is asked.
+    fn listen(&mut self, now: LocalTime) -> bool {
+        let _ = now;
+        false
+    }
+
     /// What the device says now.
     ///
     /// # Errors
@@ -107,13 +114,18 @@ pub trait Device {
         None
     }
 
-    /// What becomes readable once the device has measured anew, if the device has a pace of its own.
+    /// What becomes readable when the device has sent something, if the device has a pace of its own: [`Device::listen`] says
+    /// whether that is a measurement.
     fn pace(&self) -> Option<BorrowedFd<'_>> {
         None
     }
 }
 
 impl<D: Device + ?Sized> Device for Box<D> {
+    fn listen(&mut self, now: LocalTime) -> bool {
+        (**self).listen(now)
+    }
+
     fn read(&mut self, now: LocalTime) -> Result<Reading, Fault> {
         (**self).read(now)
     }

@@ -124,7 +124,7 @@ impl Trace {
         let mut silences = 0;
         let mut events = self.summary.events.iter();
         while let Some(entry) = events.next() {
-            if (entry.event, entry.cause.as_deref()) != ("ramping-out", silence) {
+            if (entry.event, entry.cause.as_deref()) != ("force-ramping-out", silence) {
                 continue;
             }
             // what the session says beside its endpoint does not count
