@@ -25,7 +25,7 @@ ifneq ($(VENV_USABLE),yes)
 REMAKE := remake
 endif
 
-.PHONY: help study test link link-static test-link bench-link test-relay ros2 test-ros2 lint format verify oracles fuzz bench clean toolchain link-toolchain remake
+.PHONY: help study test link link-static test-link bench-link test-relay wheel check-wheel ros2 test-ros2 lint format verify oracles fuzz bench clean toolchain link-toolchain remake
 
 help: ## list the targets
 	@sed -n 's/^\([a-z0-9-]*\):.*## \(.*\)/  make \1|\2/p' Makefile | awk -F'|' '{ printf "%-16s %s\n", $$1, $$2 }'
@@ -89,6 +89,14 @@ format: $(STAMPS)/test ## apply the formatting that lint checks
 	$(PYTHON_IN_VENV) -m ruff check --fix .
 	$(PYTHON_IN_VENV) -m ruff format .
 
+# Old systems and other machines: zig is compiler and linker. Changed sources only are built anew, in target/wheel.
+wheel: $(STAMPS)/wheel ## build the wheel and the source distribution, in out/wheel
+	rm -rf out/wheel
+	tools/build-wheel.sh out/wheel
+
+check-wheel: wheel ## build the wheel twice, compare, install it without Rust, and use it
+	tools/check-wheel.sh out/wheel --twice
+
 # Every run draws new cases from a seed, which it prints; `make verify SEED=...` repeats them.
 SEED := $(shell od -An -N4 -tu4 /dev/urandom | tr -d ' ')
 verify: export PROPTEST_RNG_SEED := $(SEED)
@@ -137,6 +145,10 @@ $(STAMPS)/run: requirements/run.txt $(REMAKE) | toolchain
 
 $(STAMPS)/test: requirements/test.txt $(STAMPS)/run
 	tools/make-venv.sh requirements/test.txt
+	@touch $@
+
+$(STAMPS)/wheel: requirements/wheel.txt $(STAMPS)/run
+	tools/make-venv.sh requirements/wheel.txt
 	@touch $@
 
 $(STAMPS)/oracles: requirements/oracles.txt $(STAMPS)/test

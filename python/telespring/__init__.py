@@ -106,6 +106,7 @@ __all__ = [
     "Arm",
     "AxisTier",
     "AxisVerdict",
+    "BidsExport",
     "BurstFit",
     "CertificateWarning",
     "Comparison",
@@ -173,6 +174,8 @@ __all__ = [
     "decay_stiffness",
     "decide",
     "delay_limit",
+    "export_bids",
+    "export_mat",
     "fit_noise",
     "frequency_grid",
     "frequency_response",
@@ -210,6 +213,9 @@ if TYPE_CHECKING:
     from telespring.answer import decide as decide
     from telespring.comparison import Comparison as Comparison
     from telespring.comparison import compare as compare
+    from telespring.exchange import BidsExport as BidsExport
+    from telespring.exchange import export_bids as export_bids
+    from telespring.exchange import export_mat as export_mat
     from telespring.recording import SessionRecording as SessionRecording
     from telespring.recording import merge_recordings as merge_recordings
     from telespring.recording import read_recording as read_recording
@@ -225,6 +231,7 @@ else:
         submodules=("plot",),
         late={
             "Answer": "telespring.answer",
+            "BidsExport": "telespring.exchange",
             "Comparison": "telespring.comparison",
             "Replay": "telespring.replays",
             "SessionRecording": "telespring.recording",
@@ -232,6 +239,8 @@ else:
             "analyse_recording": "telespring.analysis.sessions",
             "compare": "telespring.comparison",
             "decide": "telespring.answer",
+            "export_bids": "telespring.exchange",
+            "export_mat": "telespring.exchange",
             "merge_recordings": "telespring.recording",
             "read_recording": "telespring.recording",
             "replay": "telespring.replays",

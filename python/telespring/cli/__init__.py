@@ -17,6 +17,7 @@ from telespring.cli.common import refusals
 from telespring.cli.compare import compare_command
 from telespring.cli.connect import connect_command
 from telespring.cli.decide import decide_command
+from telespring.cli.export import export_command
 from telespring.cli.help import Command, Group
 from telespring.cli.identify import identify_command
 from telespring.cli.merge import merge_command
@@ -46,6 +47,7 @@ app.command("rehearse", cls=Command)(refusals()(rehearse))
 app.command("trace", cls=Command)(refusals()(trace_command))
 app.command("compare", cls=Command)(refusals()(compare_command))
 app.command("analyse", cls=Command)(analyse_command)
+app.command("export", cls=Command)(refusals()(export_command))
 app.command("probe", cls=Command)(refusals()(probe_command))
 app.command("connect", cls=Command)(refusals()(connect_command))
 app.command("merge", cls=Command)(refusals()(merge_command))
