@@ -122,9 +122,12 @@ impl Trace {
     pub fn silences(&self) -> usize {
         let silence = Some("silence");
         let mut silences = 0;
-        // whoever leaves lets go anyway, and what a silence does to that force is not told to its end
-        let mut events = self.summary.events.iter().take_while(|entry| entry.event != "leaving");
+        let mut events = self.summary.events.iter();
         while let Some(entry) = events.next() {
+            if entry.event == "leaving" {
+                // it lets go anyway, and what a silence does to that force is not told to its end
+                break;
+            }
             if (entry.event, entry.cause.as_deref()) != ("force-ramping-out", silence) {
                 continue;
             }
@@ -139,6 +142,9 @@ impl Trace {
                 self.summary.events
             );
             silences += 1;
+            if end.is_some_and(|(event, _)| event == "leaving") {
+                break;
+            }
         }
         silences
     }
