@@ -21,6 +21,7 @@ mod network;
 mod operator_range;
 mod participants;
 mod plant;
+mod population;
 mod poses;
 mod prediction;
 mod recording;
@@ -81,6 +82,8 @@ mod _core {
     use crate::participants::{Agent, Arm, Task};
     #[pymodule_export]
     use crate::plant::{arm_operator, simulate_handle};
+    #[pymodule_export]
+    use crate::population::tally_population;
     #[pymodule_export]
     use crate::poses::{cross_inertia, pose_stability, pose_system};
     #[pymodule_export]
