@@ -83,7 +83,7 @@ mod _core {
     #[pymodule_export]
     use crate::plant::{arm_operator, simulate_handle};
     #[pymodule_export]
-    use crate::population::tally_population;
+    use crate::population::{POPULATION_BIN_RATIO, tally_population};
     #[pymodule_export]
     use crate::poses::{cross_inertia, pose_stability, pose_system};
     #[pymodule_export]

@@ -288,7 +288,8 @@ def remove_rehearsal(folder: str | os.PathLike[str]) -> None:
             store.remove_rehearsal()
 
 
-def _rehearsal_thread_count(workers: int | None) -> int:
+def thread_count(workers: int | None) -> int:
+    """Return how many trials run at the same time: by default as many as there are cores."""
     if workers is None:
         with suppress(AttributeError):  # only some systems can limit a process to some cores
             return len(os.sched_getaffinity(0))
@@ -313,7 +314,7 @@ def _how_to_run(
     refuse_workers(executor, workers)
     if executor is not None:
         return partial(_run_elsewhere, runner, executor)
-    threads = _rehearsal_thread_count(workers)
+    threads = thread_count(workers)
     if workers is None and runner.user_code.has_agents:
         # The interpreter runs one agent at a time; threads would only wait for each other.
         threads = 1
