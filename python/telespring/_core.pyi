@@ -1544,6 +1544,7 @@ def solve_dde(
     options: OptionValues,
 ) -> DelaySolution: ...
 def trial_seed(seed: int, condition: int, trial: int) -> int: ...
+
 POPULATION_BIN_RATIO: Final[float]
 
 def tally_population(

@@ -4,13 +4,10 @@ use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use rayon::prelude::*;
 use telespring::InvalidInput;
-use telespring::population::{BIN_RATIO, BINS, LogRange, Population, Tally};
+use telespring::population::{BINS, LogRange, Population, Tally};
 
 use crate::errors::Outcome;
 use crate::interrupt::in_parallel;
-
-/// Each bin of a histogram ends at this many times the value at which it begins.
-pub const POPULATION_BIN_RATIO: f64 = BIN_RATIO;
 
 /// A range as Python gives it.
 type Pair = (f64, f64);

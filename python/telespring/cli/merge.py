@@ -53,7 +53,8 @@ def merge_command(
     Recordings come on one time base. The clocks are compared by what each site knew of the other's; the rest
     is stated as the uncertainty of the common time.
 
-    Shares, which `rehearse`, `compare` and `sweep` run with --shard, become the result that one machine makes.
+    Shares, which `rehearse`, `compare` and `sweep` run with --shard, become the result that one machine
+    makes.
 
     Example: telespring merge site1.mcap site2.mcap --out session.mcap
 

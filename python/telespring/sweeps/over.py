@@ -100,9 +100,9 @@ def read_over(text: str) -> Over:
     Examples
     --------
     >>> read_over("network.loss=0,0.1").values
-    ('0.0', '0.1')
+    ('0', '0.1')
     >>> read_over("stiffness=log:10:1000:3").values
-    ('10.0', '100.0', '1000.0')
+    ('10', '100', '1000')
     >>> read_over("session.strategy=spring,guard").values
     ('"spring"', '"guard"')
     """
@@ -118,7 +118,7 @@ def read_over(text: str) -> Over:
     return _from_values(key, [_scalar(each.strip()) for each in written.split(",")])
 
 
-def _range(text: str, found: re.Match[str]) -> list[float]:
+def _range(text: str, found: re.Match[str]) -> list[float] | list[int]:
     try:
         low, high, count = float(found[2]), float(found[3]), int(found[4])
     except ValueError:
@@ -130,12 +130,18 @@ def _range(text: str, found: re.Match[str]) -> list[float]:
         raise InvalidInput("over", text, "a logarithmic range has ends above 0", _REMEDY)
     spaced = np.geomspace(low, high, count) if is_log else np.linspace(low, high, count)
     # Twelve digits: what was meant, whatever the last bit of a library's logarithm.
-    return [float(f"{value:.12g}") for value in spaced]
+    values = [float(f"{value:.12g}") for value in spaced]
+    are_whole = "." not in found[2] + found[3] and all(value.is_integer() for value in values)
+    return [int(value) for value in values] if are_whole else values
 
 
 def _scalar(written: str) -> Any:
     if written in ("true", "false"):
         return written == "true"
+    try:
+        return int(written)
+    except ValueError:
+        pass
     try:
         return float(written)
     except ValueError:

@@ -1,4 +1,4 @@
-"""How often the paper's critical stiffness is unsafe, over ratios of damping and mass, without storing a dyad."""
+"""How often the paper's critical stiffness is unsafe, over damping and mass ratios, without storing a dyad."""
 
 from __future__ import annotations
 
@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from telespring._core import tally_population
-POPULATION_BIN_RATIO=1.02
+from telespring._core import POPULATION_BIN_RATIO, tally_population
 from telespring._errors import InvalidInput
 from telespring._types import FloatArray
 from telespring.rehearsal.executors import Executor, run_tasks, tasks_in_flight
@@ -241,8 +240,8 @@ def merge_surveys(surveys: Sequence[xr.Dataset]) -> xr.Dataset:
 def unsafe_quantile(survey: xr.Dataset, quantile: float) -> xr.DataArray:
     """Return a quantile of the ratio of the paper's to the exact critical stiffness in each cell.
 
-    It is exact to 1 %, half a bin of the histogram in the logarithm; a safe dyad counts as 1. NaN where a cell has
-    no dyads, infinite in the last bin.
+    It is exact to 1 %, half a bin of the histogram in the logarithm; a safe dyad counts as 1. NaN where a
+    cell has no dyads, infinite in the last bin.
 
     Examples
     --------
@@ -263,6 +262,10 @@ def unsafe_quantile(survey: xr.Dataset, quantile: float) -> xr.DataArray:
     middle[-1] = np.inf
     found = np.where(rank <= 0, 1.0, middle[place])
     found = np.where(dyads == 0, np.nan, found)
-    return survey["largest"].copy(data=found).assign_attrs(
-        long_name=f"{quantile:g} quantile of the ratio of the paper's to the exact critical stiffness"
+    return (
+        survey["largest"]
+        .copy(data=found)
+        .assign_attrs(
+            long_name=f"{quantile:g} quantile of the ratio of the paper's to the exact critical stiffness"
+        )
     )
