@@ -38,7 +38,6 @@ middle = share.sel(mass_ratio=1.0, damping_ratio=1.0, method="nearest")
 mirrored = share.values[::-1, ::-1]
 assert float(middle) < 0.01
 assert float(np.abs(share.values - mirrored).mean()) < 0.02
-print(
-    f"unsafe: {float(survey.unsafe.sum() / survey.dyads.sum()):.1%}; largest ratio {float(survey.largest.max()):.1f}"
-)
+whole = float(survey.unsafe.sum() / survey.dyads.sum())
+print(f"unsafe: {whole:.1%}; largest ratio {float(survey.largest.max()):.1f}")
 print(f"figure: {file}")

@@ -147,11 +147,11 @@ def test_ref_draws_have_the_moments_of_the_uncertainty(study: ts.Study) -> None:
 def test_law_the_guard_keeps_its_law_and_a_bare_spring_would_not(whole: xr.Dataset) -> None:
     assert float(whole.guard_spare.min()) >= 0.0
     # the private measure itself: a bare spring that runs away, measured as if it were guarded
-    spring = guarded().replace(protocol={"duration": 6.0}, session=None)
+    spring = guarded().replace(protocol={"duration": 10.0}, session=None)
     experiment = spring.experiment
     assert experiment is not None
     laboratory = experiment.laboratory_on((None, None))
-    recording = laboratory.run(150.0, 0.084, 1, 6.0, 100.0)
+    recording = laboratory.run(150.0, 0.084, 1, 10.0, 100.0)
     assert recording.status == "completed"
     row = trial_row(recording, experiment, guarded())
     assert [each.name for each in trial_variables()].index("guard_spare") == 2

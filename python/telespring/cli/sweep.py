@@ -18,8 +18,6 @@ from telespring.rehearsal.preflight import preflight_warnings
 from telespring.rehearsal.shards import read_shard
 from telespring.show.screens.rehearsal import preflight_screen
 from telespring.show.screens.shards import share_outcome_screen
-from telespring.sweeps.plan import plan_sweep
-from telespring.sweeps.store import SWEEP_FILES
 
 __all__ = ["sweep_command"]
 
@@ -80,7 +78,9 @@ def sweep_command(
     Example: telespring sweep --over network.loss=0:0.3:4 --over session.strategy=spring,guard --quick
     """
     from telespring.sweeps.assembly import read_sweep
+    from telespring.sweeps.plan import plan_sweep
     from telespring.sweeps.run import run_sweep, sweep_store
+    from telespring.sweeps.store import SWEEP_FILES
     from telespring.sweeps.summary import summarise_sweep
 
     console = screen_console(stderr=as_json)

@@ -65,8 +65,17 @@ def run_tasks(
                 return
             ended = _wait_for_some(running)
             running -= ended
+            # An error waits until what ended with it has been taken.
+            failed = None
             for future in ended:
-                yield future.result()
+                try:
+                    result = future.result()
+                except Exception as error:
+                    failed = failed or error
+                else:
+                    yield result
+            if failed is not None:
+                raise failed
     except (BrokenExecutor, CancelledError) as lost:
         raise InvalidInput(
             "executor",

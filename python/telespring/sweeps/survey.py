@@ -1,4 +1,4 @@
-"""How often the paper's critical stiffness is unsafe, over damping and mass ratios, without storing a dyad."""
+"""For which dyads the paper's critical stiffness is unsafe: counted over a map, none is stored."""
 
 from __future__ import annotations
 

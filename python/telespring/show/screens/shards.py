@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rich.console import Console, Group, RenderableType
 from rich.text import Text
 
 from telespring.rehearsal.shards import Shard
 from telespring.show.screens.layout import fitting_table
-from telespring.sweeps.merging import ShareProgress
+
+if TYPE_CHECKING:
+    from telespring.sweeps.merging import ShareProgress
 
 __all__ = ["share_outcome_screen", "share_progress_screen"]
 
