@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -46,7 +47,7 @@ def test_ref_the_quantiles_of_one_dyad_are_its_ratio() -> None:
 
 @pytest.mark.parametrize("count", [1, 2, 7])
 def test_law_shares_add_up(count: int) -> None:
-    settings = {"cells": (3, 2), "operator_mass": 0.5, "operator_damping": 2.0, "seed": 9}
+    settings: dict[str, Any] = {"cells": (3, 2), "operator_mass": 0.5, "operator_damping": 2.0, "seed": 9}
     whole = ts.survey_dyads(10_001, **settings)
     shares = [ts.survey_dyads(10_001, shard=(index + 1, count), **settings) for index in range(count)]
     assert ts.merge_surveys(shares).identical(whole)
@@ -73,7 +74,7 @@ def test_law_progress_reaches_the_end() -> None:
         ({"dyads": 0}, "dyads"),
     ],
 )
-def test_law_what_cannot_be_drawn_is_refused(changed: dict[str, object], field: str) -> None:
+def test_law_what_cannot_be_drawn_is_refused(changed: dict[str, Any], field: str) -> None:
     with pytest.raises(ts.InvalidInput) as refused:
         ts.survey_dyads(**({"dyads": 100} | changed))
     assert refused.value.field.startswith(field)
