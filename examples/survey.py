@@ -23,7 +23,7 @@ worst = ts.unsafe_quantile(survey, 0.95)
 
 figure, axes = plt.subplots(1, 2, figsize=(10.0, 4.2), layout="constrained", sharey=True)
 for axis, values, title, scale in (
-    (axes[0], share, "share of dyads that Eq. 5 calls safe and are not", {"vmin": 0.0, "vmax": 1.0}),
+    (axes[0], share, "share of dyads with Eq. 5 above the exact stiffness", {"vmin": 0.0, "vmax": 1.0}),
     (axes[1], worst, "Eq. 5 over the exact stiffness, 95 % quantile", {"norm": "log"}),
 ):
     drawn = axis.pcolormesh(survey.damping_ratio, survey.mass_ratio, values, cmap="cividis", **scale)
