@@ -50,8 +50,10 @@ proptest! {
 #[test]
 fn law_a_cell_without_width_counts_what_the_criteria_say_of_its_dyad() {
     for (ratio, is_unsafe) in [(1.0, false), (30.0, true)] {
-        let population = population(LogRange { low: ratio, high: ratio }, [1, 1], 0.0);
-        let axis = DyadAxis::new(1.0, 1.0, ratio, ratio).unwrap();
+        let damping_ratio = LogRange { low: ratio, high: ratio };
+        let mass_ratio = LogRange { low: 1.0, high: 1.0 };
+        let population = Population { mass_ratio, ..population(damping_ratio, [1, 1], 0.0) };
+        let axis = DyadAxis::new(1.0, 1.0, 1.0, ratio).unwrap();
         let expected = paper_critical_stiffness(&axis).unwrap() / critical_stiffness(&axis);
         let tally = population.tally(0, 0, 200).unwrap();
         assert_eq!(tally.unsafe_dyads, if is_unsafe { 200 } else { 0 });
