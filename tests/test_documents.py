@@ -35,6 +35,7 @@ DOCUMENTS = [
     "docs/prediction.md",
     "docs/recording.md",
     "docs/recorded-trials.md",
+    "docs/scale.md",
     "docs/session.md",
     "docs/telemetry.md",
     "docs/threat-model.md",

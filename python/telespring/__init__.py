@@ -185,6 +185,8 @@ __all__ = [
     "maximum_delay",
     "maximum_stiffness",
     "merge_recordings",
+    "merge_shards",
+    "merge_surveys",
     "minimum_damping",
     "mobility_matrix",
     "nyquist",
@@ -200,7 +202,10 @@ __all__ = [
     "spectral_abscissa",
     "stability_map",
     "stable_delays",
+    "survey_dyads",
+    "sweep",
     "transfer_matrix",
+    "unsafe_quantile",
     "unstable_root_count",
     "verdicts",
 ]
@@ -222,6 +227,11 @@ if TYPE_CHECKING:
     from telespring.replays import Replay as Replay
     from telespring.replays import SiteRecording as SiteRecording
     from telespring.replays import replay as replay
+    from telespring.sweeps import merge_shards as merge_shards
+    from telespring.sweeps import merge_surveys as merge_surveys
+    from telespring.sweeps import survey_dyads as survey_dyads
+    from telespring.sweeps import sweep as sweep
+    from telespring.sweeps import unsafe_quantile as unsafe_quantile
 else:
     # Hidden from type checkers, which would accept every name.
     # Importing matplotlib takes long, so `plot` waits until it is used; answers, comparisons and recordings
@@ -242,8 +252,13 @@ else:
             "export_bids": "telespring.exchange",
             "export_mat": "telespring.exchange",
             "merge_recordings": "telespring.recording",
+            "merge_shards": "telespring.sweeps",
+            "merge_surveys": "telespring.sweeps",
             "read_recording": "telespring.recording",
             "replay": "telespring.replays",
+            "survey_dyads": "telespring.sweeps",
+            "sweep": "telespring.sweeps",
+            "unsafe_quantile": "telespring.sweeps",
         },
     )
 

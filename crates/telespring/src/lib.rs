@@ -15,6 +15,7 @@
 //! | [`prediction`] | what a predictor does to the loop |
 //! | [`rig`] | the virtual laboratory: two sessions, robots, arms and a network in virtual time |
 //! | [`delay_system`] | any linear system with several constant delays |
+//! | [`population`] | how often the paper's critical stiffness is unsafe in a population of dyads |
 //! | [`poses`] | a dyad held by two-link arms, one frozen pose at a time |
 //! | [`quantity`] | the physical quantities with their units and ranges |
 //! | [`error`] | the error type for invalid input |
@@ -29,6 +30,7 @@ pub mod dde;
 pub mod delay_system;
 pub mod error;
 pub mod model;
+pub mod population;
 pub mod poses;
 pub mod prediction;
 pub mod quantity;

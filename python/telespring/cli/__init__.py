@@ -27,6 +27,7 @@ from telespring.cli.rehearse import rehearse
 from telespring.cli.replay import replay_command
 from telespring.cli.reproduce import reproduce_command, study_command
 from telespring.cli.simulate import simulate_command
+from telespring.cli.sweep import sweep_command
 from telespring.cli.terminal import close_output, output_trouble, prepare_streams
 from telespring.cli.trace import trace_command
 
@@ -46,6 +47,7 @@ app.command("identify", cls=Command)(refusals()(identify_command))
 app.command("rehearse", cls=Command)(refusals()(rehearse))
 app.command("trace", cls=Command)(refusals()(trace_command))
 app.command("compare", cls=Command)(refusals()(compare_command))
+app.command("sweep", cls=Command)(refusals()(sweep_command))
 app.command("analyse", cls=Command)(analyse_command)
 app.command("export", cls=Command)(refusals()(export_command))
 app.command("probe", cls=Command)(refusals()(probe_command))
