@@ -173,6 +173,7 @@ __all__ = [
     "decay_stiffness",
     "decide",
     "delay_limit",
+    "explore",
     "fit_noise",
     "frequency_grid",
     "frequency_response",
@@ -208,6 +209,7 @@ if TYPE_CHECKING:
     from telespring.analysis.sessions import analyse_recording as analyse_recording
     from telespring.answer import Answer as Answer
     from telespring.answer import decide as decide
+    from telespring.app.widget import explore as explore
     from telespring.comparison import Comparison as Comparison
     from telespring.comparison import compare as compare
     from telespring.recording import SessionRecording as SessionRecording
@@ -232,6 +234,7 @@ else:
             "analyse_recording": "telespring.analysis.sessions",
             "compare": "telespring.comparison",
             "decide": "telespring.answer",
+            "explore": "telespring.app.widget",
             "merge_recordings": "telespring.recording",
             "read_recording": "telespring.recording",
             "replay": "telespring.replays",
