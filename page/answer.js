@@ -93,7 +93,7 @@ export function showVerdicts(host, values, answer) {
       "table",
       {},
       html("caption", {}, "The stiffness up to which all is stable, by what the network may do. Less trust in the network means a softer spring."),
-      html("thead", {}, html("tr", {}, ...["If the network has …", "stiffness up to", `yours (${stiffness(values.stiffness)}) is stable`, "yours is such a network"].map((text) => html("th", { scope: "col" }, text)))),
+      html("thead", {}, html("tr", {}, ...["If the network has …", "stiffness up to", "yours is stable", "yours is such a network"].map((text) => html("th", { scope: "col" }, text)))),
       html("tbody", {}, ...rows),
     ),
   );

@@ -18,7 +18,7 @@ export const TIERS = [
   ["any_constant_delay", "any constant delay", "The delay is constant, but nobody knows how long it is."],
   ["age_in_a_range", "a delay that varies in a range", "The delay varies as it likes between its least and its most; samples are played in order."],
   ["bounded_varying_delay", "a delay that varies up to a bound", "The delay varies as it likes, samples jump and get lost; none in use is older than the bound."],
-  ["any_network", "any network", "Any delay, loss and reordering."],
+  ["any_network", "any network", "Any delay, loss and reordering, with gaps of bounded length."],
 ];
 
 const worst = ["stable", "marginal", "not proven", "unstable"];

@@ -134,9 +134,19 @@ fn natively(studies: &[String], of: impl Fn(&str) -> Value + Sync) -> Vec<Value>
 }
 
 #[test]
+fn cross_answers_are_those_of_the_native_core() {
+    compare_answers(500);
+}
+
+#[test]
+#[ignore = "minutes: the module and the native core judge ten thousand studies each"]
 fn cross_answers_are_those_of_the_native_core_on_ten_thousand_studies() {
+    compare_answers(10_000);
+}
+
+fn compare_answers(count: usize) {
     let mut draw = Draw(20_261_129);
-    let studies: Vec<String> = (0..10_000).map(|_| study(&mut draw)).collect();
+    let studies: Vec<String> = (0..count).map(|_| study(&mut draw)).collect();
     let calls: Vec<Value> = studies.iter().map(|text| json!(["decide", text])).collect();
     let Some(child) = node(&calls) else { return };
     let native =
@@ -151,7 +161,7 @@ fn cross_answers_are_those_of_the_native_core_on_ten_thousand_studies() {
     }
     // the draw reaches every answer
     for word in ["stable", "marginal", "unstable", "not proven"] {
-        assert!(words.get(word).is_some_and(|&count| count > 50), "{words:?}");
+        assert!(words.get(word).is_some_and(|&met| met > count / 200), "{words:?}");
     }
 }
 
