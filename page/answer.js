@@ -50,6 +50,8 @@ function meter(label, value, limit, write) {
   return html("div", { className: "meter" }, html("p", {}, html("span", {}, label), html("strong", {}, text)), bar);
 }
 
+const MET = { met: "yes", "met behind playout buffer": "only behind a play-out buffer", "not met": "no" };
+
 const tick = (is) => html("span", { className: is ? "yes" : "no" }, is ? "✓ yes" : "✗ no");
 
 /** What the paper's rule says beside its stiffness, and whether it is right here. */
@@ -67,14 +69,13 @@ export function showVerdicts(host, values, answer) {
     const isAvailable = all.every((each) => each.available);
     const bounds = all.map((each) => (each.stiffness_limit === null && !each.stiffness_unbounded ? unbounded(each.stiffness_allowed, each.stiffness_unbounded) : each.stiffness_limit ?? Infinity));
     const least = Math.min(...bounds.map((bound) => bound ?? 0));
-    const isMet = decided.verdicts[key].assumption === "met";
     return html(
       "tr",
       {},
       html("th", { scope: "row" }, name, html("span", { className: "meaning" }, meaning)),
       html("td", { className: "number" }, isAvailable ? stiffness(least, "down") : "no rule"),
       html("td", {}, isAvailable ? tick(all.every((each) => each.satisfied)) : "–"),
-      html("td", {}, isMet ? "yes" : "only behind a play-out buffer"),
+      html("td", {}, MET[decided.verdicts[key].assumption]),
     );
   });
   const { paper } = decided.verdicts;

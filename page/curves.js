@@ -15,7 +15,7 @@ export function showNyquist(host, found, axis) {
     (found.gain_margin ? `The loop gain may grow ${digits(found.gain_margin.value, 3, "down")}-fold. ` : "") +
     (found.phase_margin ? `Phase margin ${digits((found.phase_margin.value * 180) / Math.PI, 3, "down")}°. ` : "") +
     (found.delay_margin ? `The delay may grow by ${time(found.delay_margin.value, "down")} each way. ` : "") +
-    `The locus comes within ${digits(found.minimum_distance.value, 3, "down")} of the point −1.`;
+    `The locus comes within ${digits(found.minimum_distance, 3, "down")} of the point −1.`;
   const view = plane({
     width,
     height: width - 20,

@@ -100,7 +100,7 @@ def compare(root: Path, count: int, seed: int) -> None:
 
 
 def test_cross_the_page_answers_as_the_command_does(root: Path) -> None:
-    compare(root, 250, 1)
+    compare(root, 120, 1)
 
 
 @pytest.mark.verify

@@ -133,11 +133,11 @@ test("law_every_control_works_by_keyboard", looked, async () => {
     const slider = page.locator("#controls input[type=range]").nth(i);
     await slider.focus();
     const before = await page.evaluate(() => window.telespring.page.study());
-    for (let press = 0; press < 60; press++) await page.keyboard.press("ArrowRight");
+    await page.keyboard.press("ArrowRight");
     const after_keys = await page.evaluate(() => window.telespring.page.study());
     assert.notEqual(after_keys, before, `slider ${i} changes nothing`);
     assert.ok(await slider.getAttribute("aria-valuetext"));
-    for (let press = 0; press < 60; press++) await page.keyboard.press("ArrowLeft");
+    await page.keyboard.press("ArrowLeft");
   }
   // the point of the map
   await page.locator("#map .point").focus();
@@ -221,6 +221,32 @@ test("law_the_guard_calms_the_robots_on_the_page", looked, async () => {
   assert.match(await page.textContent("#motion .reading"), /Guard: .*dies away/);
   assert.equal(await page.textContent("#verdict"), "Unstable");
   await close();
+});
+
+test("law_a_notebook_and_the_page_in_its_frame_tell_each_other", looked, async () => {
+  const source = readFileSync(join(root, "python/telespring/app/widget.py"), "utf8");
+  const module = source.match(/_MODULE = """\n([^]*?)"""/)[1];
+  const context = await browser.newContext();
+  const page = await context.newPage();
+  page.setDefaultTimeout(60_000);
+  await page.goto("about:blank");
+  // a notebook's side of it: a model with the traits of the widget
+  await page.evaluate(async ([text, html]) => {
+    const { default: widget } = await import(URL.createObjectURL(new Blob([text], { type: "text/javascript" })));
+    const heard = {};
+    const traits = { _page: html, toml: "" };
+    const model = { get: (name) => traits[name], set: (name, value) => (traits[name] = value), save_changes: () => (traits.saved = (traits.saved ?? 0) + 1), on: (name, call) => (heard[name] = call), off: () => {} };
+    Object.assign(window, { traits, put: (value) => ((traits.toml = value), heard["change:toml"]()) });
+    widget.render({ model, el: document.body });
+  }, [module, readFileSync(page_file, "utf8")]);
+  await page.waitForFunction(() => /stiffness = 71.2/.test(window.traits.toml));
+  const frame = page.frames()[1];
+  await frame.fill("#stiffness", "88");
+  await frame.locator("#stiffness").blur();
+  await page.waitForFunction(() => /stiffness = 88/.test(window.traits.toml));
+  await page.evaluate(() => window.put(window.traits.toml.replace("stiffness = 88", "stiffness = 44")));
+  await frame.waitForFunction(() => document.querySelector("#stiffness").value === "44");
+  await context.close();
 });
 
 for (const [name, options] of [

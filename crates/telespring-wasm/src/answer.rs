@@ -1,7 +1,6 @@
 //! The answer to a study, in the words and keys of `telespring decide --json`.
 
 use serde_json::{Value, json};
-use telespring::criteria::paper_maximum_delay;
 use telespring::decision::{Decision, Holding, Question, RESERVE, constant_delay};
 use telespring::study::Study;
 use telespring::verdicts::{Assumption, Tier, Verdict};
@@ -94,8 +93,8 @@ fn decision_json(question: &Question, decision: &Decision, stated: Delay) -> Val
             "delay_kept": decision.keeps_delay_reserve,
         },
         "sample_period": verdicts.network.sample_period(),
-        "axes": axes_json(question, decision),
-        "verdicts": verdicts_json(decision, limit),
+        "axes": axes_json(decision),
+        "verdicts": verdicts_json(question, decision, limit),
         "paper_agrees": verdicts.paper.agrees,
         "sampled_stable": verdicts.sampled_stable,
         "over_operator_ranges": question.operator_ranges.is_some(),
@@ -127,28 +126,21 @@ fn varying_json(decision: &Decision) -> Value {
     })
 }
 
-fn axes_json(question: &Question, decision: &Decision) -> Vec<Value> {
-    let k = decision.verdicts.stiffness;
-    let own = question.dyad.axes();
+fn axes_json(decision: &Decision) -> Vec<Value> {
     decision
         .verdicts
         .axes
         .iter()
-        .zip(own)
-        .map(|(axis, own)| {
+        .map(|axis| {
             let bound = |tier: Tier| axis.tiers[tier as usize].stiffness_bound;
             let critical = bound(Tier::AnyConstantDelay);
             let most = bound(Tier::ConstantDelay);
-            let has_formula = paper_maximum_delay(&own, k).is_ok();
             json!({
                 "axis": axis.name,
                 "critical_stiffness": critical.and_then(finite),
                 "critical_stiffness_unbounded": critical.is_some_and(f64::is_infinite),
-                "critical_stiffness_paper": finite(axis.paper_critical_stiffness),
                 "maximum_delay": finite(axis.maximum_delay),
                 "maximum_delay_unbounded": axis.maximum_delay.is_infinite(),
-                "maximum_delay_paper": finite(axis.paper_maximum_delay).filter(|_| has_formula),
-                "maximum_delay_paper_unbounded": has_formula && axis.paper_maximum_delay.is_infinite(),
                 "maximum_stiffness": most.and_then(finite),
                 "maximum_stiffness_unbounded": most.is_some_and(f64::is_infinite),
                 "sampled_abscissa": axis.sampled.map(|sampled| sampled.abscissa_equivalent).and_then(finite),
@@ -163,11 +155,11 @@ fn key(tier: Tier) -> String {
     tier.name().replace(' ', "_")
 }
 
-fn verdicts_json(decision: &Decision, limit: f64) -> Value {
+fn verdicts_json(question: &Question, decision: &Decision, limit: f64) -> Value {
     let verdicts = &decision.verdicts;
     let mut found = serde_json::Map::new();
     for verdict in &verdicts.tiers {
-        found.insert(key(verdict.tier), verdict_json(decision, verdict, limit));
+        found.insert(key(verdict.tier), verdict_json(question, decision, verdict, limit));
     }
     let paper = &verdicts.paper;
     found.insert(
@@ -183,7 +175,20 @@ fn verdicts_json(decision: &Decision, limit: f64) -> Value {
     Value::Object(found)
 }
 
-fn verdict_json(decision: &Decision, verdict: &Verdict, limit: f64) -> Value {
+/// Whether the ages in use meet the assumption of a tier.
+fn assumption(question: &Question, verdict: &Verdict) -> &'static str {
+    let is_any = verdict.tier == Tier::AnyNetwork;
+    match verdict.assumption {
+        _ if question.has_unjudged || (!question.is_bounded && !is_any) => "not met",
+        _ if !question.is_bounded => "met",
+        Assumption::Met => "met",
+        // No buffer takes up what is lost, queued or forged.
+        _ if !question.is_as_stated => "not met",
+        _ => "met behind playout buffer",
+    }
+}
+
+fn verdict_json(question: &Question, decision: &Decision, verdict: &Verdict, limit: f64) -> Value {
     let is_sampled = decision.verdicts.sampled_stable.is_some();
     // For a constant delay the bound is that of continuous controllers; `limit` is the one with those in question.
     let own = match verdict.tier {
@@ -200,10 +205,7 @@ fn verdict_json(decision: &Decision, verdict: &Verdict, limit: f64) -> Value {
         "axis": verdict.worst_axis.map(|axis| decision.verdicts.axes[axis].name.clone()),
         "satisfied": verdict.satisfied,
         "proven": verdict.proven,
-        "assumption": match verdict.assumption {
-            Assumption::Met => "met",
-            _ => "met behind playout buffer",
-        },
+        "assumption": assumption(question, verdict),
         "available": verdict.stiffness_bound.is_some(),
         "ages": verdict.ages,
     })

@@ -44,7 +44,7 @@ pub fn nyquist_locus(study: &Study, axis: usize) -> Result<Value> {
         "gain_margin": margin(found.gain_margin),
         "phase_margin": margin(found.phase_margin),
         "delay_margin": margin(found.delay_margin),
-        "minimum_distance": margin(Some(found.minimum_distance)),
+        "minimum_distance": found.minimum_distance.value,
         "delay": 0.5 * (forward + backward),
     }))
 }

@@ -48,14 +48,14 @@ fn study(draw: &mut Draw) -> String {
         }
     }
     let delay = [draw.decade(0.001, 0.4), draw.decade(0.001, 0.4)];
-    text += &format!("[coupling]\nstiffness = {:?}\n[network]\n", draw.decade(2.0, 2000.0));
+    text += &format!("[coupling]\nstiffness = {:?}\n[network]\n", draw.decade(5.0, 800.0));
     text += &if draw.is(0.8) {
         format!("delay = {:?}\n", delay[0])
     } else {
         format!("delay = {{forward = {:?}, backward = {:?}}}\n", delay[0], delay[1])
     };
-    if draw.is(0.15) {
-        text += &format!("jitter = {:?}\nplayout_buffer = {}\n", draw.decade(0.001, 0.05), draw.is(0.3));
+    if draw.is(0.35) {
+        text += &format!("jitter = {:?}\nplayout_buffer = {}\n", draw.decade(0.002, 0.1), draw.is(0.2));
     }
     let period = if draw.is(0.5) { 0.0 } else { [0.001, 0.002, 0.005][(3.0 * draw.next()) as usize] };
     text + &format!("[controller]\nsample_period = {period:?}\n")
@@ -161,7 +161,7 @@ fn compare_answers(count: usize) {
     }
     // the draw reaches every answer
     for word in ["stable", "marginal", "unstable", "not proven"] {
-        assert!(words.get(word).is_some_and(|&met| met > count / 200), "{words:?}");
+        assert!(words.get(word).is_some_and(|&met| met > 2), "{words:?}");
     }
 }
 
