@@ -37,7 +37,7 @@ if [ ! -e "$stamp" ]; then
 fi
 
 rustc=$place/usr/bin/rustc
-sources=$(find "$place/usr/src" -type d -path '*/library' -prune | head -n 1)
+sources=$(ls -d "$place"/usr/src/rustc-*/library 2>/dev/null | head -n 1)
 [ -n "$sources" ] || {
     echo "debian-wasm.sh found no sources of the standard library below $place." >&2
     exit 1

@@ -96,7 +96,9 @@ def _study_of(subject: Dyad | Study | None, stiffness: float | None, delay: Dela
         return subject.replace(**changes) if changes else subject
     if subject is None:
         paper = Study.paper()
-        return Study.from_toml("", robot1=paper.dyad.robots[0], robot2=paper.dyad.robots[1], **changes)
+        return Study.from_toml("", robot1=paper.dyad.robots[0], robot2=paper.dyad.robots[1]).replace(
+            **changes
+        )
     if not isinstance(subject, Dyad):
         raise InvalidInput(
             "subject",
@@ -105,11 +107,11 @@ def _study_of(subject: Dyad | Study | None, stiffness: float | None, delay: Dela
             "Pass Dyad(Robot(mass, damping), Robot(mass, damping)).",
         )
     (one, two), (first, second) = subject.robots, subject.operators
-    parts: dict[str, object] = {"robot1": one, "robot2": two, "operator1": first, "operator2": second}
     coupling: dict[str, object] = {"damping": subject.coupling_damping}
     if stiffness is not None:
         coupling["stiffness"] = Coupling(stiffness).stiffness
-    return Study.from_toml("", **{**parts, **changes, "coupling": coupling})
+    changes |= {"operator1": first, "operator2": second, "coupling": coupling}
+    return Study.from_toml("", robot1=one, robot2=two).replace(**changes)
 
 
 def _both_ways(delay: Delay) -> dict[str, float]:
