@@ -48,7 +48,12 @@ def test_law_the_page_opens_with_the_study_of_the_command(tmp_path: Path) -> Non
 @needs_page
 def test_law_the_browser_gets_a_file_and_no_server(monkeypatch: pytest.MonkeyPatch) -> None:
     opened: list[str] = []
-    monkeypatch.setattr(webbrowser, "open", lambda address: opened.append(address) or True)
+
+    def open_address(address: str) -> bool:
+        opened.append(address)
+        return True
+
+    monkeypatch.setattr(webbrowser, "open", open_address)
     done = run()
     assert done.exit_code == 0, done.output
     [address] = opened
