@@ -25,7 +25,7 @@ ifneq ($(VENV_USABLE),yes)
 REMAKE := remake
 endif
 
-.PHONY: help study test page test-page link test-link ros2 test-ros2 lint format verify oracles fuzz bench clean toolchain link-toolchain remake
+.PHONY: help study test page test-page link link-static test-link bench-link test-relay ros2 test-ros2 lint format verify oracles fuzz bench clean toolchain link-toolchain remake
 
 help: ## list the targets
 	@sed -n 's/^\([a-z0-9-]*\):.*## \(.*\)/  make \1|\2/p' Makefile | awk -F'|' '{ printf "%-16s %s\n", $$1, $$2 }'
@@ -62,11 +62,22 @@ link: link-toolchain ## build the live program, target/release/telespring-link (
 HOST := $(shell rustc -vV 2>/dev/null | sed -n 's/^host: //p')
 link-static: link-toolchain ## build the live program as one static file, in target/HOST/release
 	RUSTFLAGS='-C target-feature=+crt-static' cargo build --release --locked -p telespring-link --target $(HOST)
-	@echo target/$(HOST)/release/telespring-link
+	@echo $${CARGO_TARGET_DIR:-target}/$(HOST)/release/telespring-link
 
 # Real-time tests: they share the machine with nobody who can help it.
 test-link: link-toolchain ## test the live program
 	cargo test --profile link-test --locked -p telespring-link
+
+# iroh's relay server, of the version that the live program speaks with; no test needs its speed. Not in .ci/run: its hundreds of crates
+# take minutes to build.
+RELAY_VERSION := $(shell sed -n 's/^const VERSION: &str = "\(.*\)";/\1/p' crates/telespring-link/src/commands/relay_config.rs)
+target/relay/bin/iroh-relay: crates/telespring-link/src/commands/relay_config.rs
+	CARGO_PROFILE_DEV_DEBUG=0 cargo install iroh-relay --version $(RELAY_VERSION) --locked --features server --debug --root target/relay
+	@touch $@
+
+test-relay: link-toolchain target/relay/bin/iroh-relay ## test the live program with a relay server, which is built first (minutes)
+	TELESPRING_RELAY=$(CURDIR)/target/relay/bin/iroh-relay \
+		cargo test --profile link-test --locked -p telespring-link --test law_relay
 
 bench-link: link-toolchain ## compare the live program with raw UDP and cyclictest (needs root and rt-tests)
 	cargo bench --locked -p telespring-link --bench link

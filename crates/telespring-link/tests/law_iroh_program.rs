@@ -1,5 +1,7 @@
 //! Two programs over iroh on this machine, as people start them: keys, a session, a partner that dies and comes again.
 
+mod sites;
+
 use std::fs;
 use std::net::UdpSocket;
 use std::os::unix::fs::PermissionsExt;
@@ -8,6 +10,7 @@ use std::process::{Child, Command, Output, Stdio};
 use std::time::Duration;
 
 use serde_json::Value;
+use sites::over_iroh;
 
 fn program() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_telespring-link"));
@@ -52,16 +55,9 @@ fn write_sites(folder: &Path, ids: &[String; 2]) -> [PathBuf; 2] {
     let addresses = sockets.map(|socket| socket.local_addr().unwrap());
     [0, 1].map(|side: usize| {
         let path = folder.join(format!("site-{}.toml", side + 1));
-        let text = format!(
-            "study = \"connect.toml\"\nside = {}\n[network]\ntransport = \"iroh\"\nkey = \"{}.key\"\npeer_id = \"{}\"\n\
-             local = \"{}\"\npeer = [\"{}\"]\n[safety]\nstall = 0.5\n",
-            side + 1,
-            side + 1,
-            ids[1 - side],
-            addresses[side],
-            addresses[1 - side]
-        );
-        fs::write(&path, text).unwrap();
+        let (here, there) = (addresses[side], addresses[1 - side]);
+        let text = over_iroh("connect.toml", side + 1, &ids[1 - side], here, there);
+        fs::write(&path, text + "[safety]\nstall = 0.5\n").unwrap();
         path
     })
 }
@@ -145,6 +141,17 @@ fn law_a_wrong_key_is_refused_counted_and_moves_nothing() {
     // nothing fills the log, and the one who is refused is told
     assert_eq!(events(&first), ["ended"], "{first}");
     assert_eq!(events(&second), ["path-refused", "ended"], "{second}");
+    // so do their checks say
+    let [site, other] = write_sites(&folder, &ids);
+    let checks = [&site, &other].map(|site| program().arg("check").arg(site).spawn().unwrap());
+    let expected = [("warning", "was refused"), ("failed", "does not know")];
+    for (check, (verdict, said)) in checks.into_iter().zip(expected) {
+        let report = summary(&check.wait_with_output().unwrap());
+        let items = report["items"].as_array().unwrap();
+        let partner = items.iter().find(|item| item["item"] == "partner").unwrap();
+        assert_eq!(partner["verdict"], verdict, "{report}");
+        assert!(partner["found"].as_str().unwrap().contains(said), "{report}");
+    }
 }
 
 #[test]
@@ -174,6 +181,12 @@ fn law_what_cannot_be_is_refused_at_the_door() {
         ("peer = [\"", "peer = [\"127.0.0.1:0\", \"", "network.peer = 127.0.0.1:0"),
         ("peer = [\"", "peer = [\"224.0.0.1:5\", \"", "network.peer = 224.0.0.1:5"),
         (key, "key = \"1.key\"\nrelayed = true", "network.relayed"),
+        (key, "key = \"1.key\"\nrelay_authority = \"connect.toml\"", "network.relay_authority = given"),
+        (
+            key,
+            "key = \"1.key\"\nrelay = \"https://relay.example.org\"\nrelay_authority = \"connect.toml\"",
+            "BEGIN CERTIFICATE",
+        ),
         (key, "key = \"1.key\"\nrelay = \"relay.example.org\"", "network.relay"),
         (key, "key = \"1.key\"\nrelay = \"http://relay.example.org\"", "network.relay"),
         (key, "key = \"1.key\"\nrelay = \"https://a:b@relay.example.org\"", "network.relay"),
@@ -192,9 +205,15 @@ fn law_what_cannot_be_is_refused_at_the_door() {
     assert!(message.contains("never overwritten"), "{message}");
     let message = refusal(&["relay-config", "relay.example.org", "--id", "no id"]);
     assert!(message.contains("--id"), "{message}");
-    let printed = said(&run(&["relay-config", "relay.example.org", "--id", &ids[0], "--id", &ids[1]]));
-    assert!(
-        printed.contains(&ids[0]) && printed.contains(&ids[1]) && printed.contains("allowlist"),
-        "{printed}"
-    );
+    // iroh-relay gets no certificate without an address, and would not start
+    let message = refusal(&["relay-config", "relay.example.org", "--id", &ids[0]]);
+    assert!(message.contains("--contact"), "{message}");
+    for certificate in [&["--contact", "you@example.org"][..], &["--own-certificate"]] {
+        let asked = ["relay-config", "relay.example.org", "--id", &ids[0], "--id", &ids[1]];
+        let printed = said(&run(&[&asked[..], certificate].concat()));
+        assert!(
+            printed.contains(&ids[0]) && printed.contains(&ids[1]) && printed.contains("allowlist"),
+            "{printed}"
+        );
+    }
 }

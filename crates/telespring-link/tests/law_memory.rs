@@ -90,6 +90,7 @@ fn law_the_loop_allocates_nothing_over_iroh() {
             peers: vec![places[1 - side]],
             local: vec![places[side]],
             relay: None,
+            relay_authority: None,
             relayed: false,
             priority: Some(40),
         })

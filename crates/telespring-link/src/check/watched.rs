@@ -23,6 +23,8 @@ pub struct Seen {
     pub is_impossible: bool,
     /// Whether it is ready, as it said last.
     pub is_ready: bool,
+    /// What it lacks to be ready, in words, as it said last.
+    pub lacks: Option<&'static str>,
     /// Whether its emergency stop is pressed, as it said last.
     pub is_stopped: bool,
     /// Whether it measures the force on the handle.
@@ -69,6 +71,7 @@ impl<D: Device> Device for Watched<D> {
         }
         seen.has_force |= reading.acted.is_some();
         (seen.is_ready, seen.is_stopped) = (reading.is_ready, reading.is_stopped);
+        seen.lacks = self.device.lacks();
         self.seen.set(seen);
         Ok(Reading { is_ready: false, is_stopped: false, ..reading })
     }

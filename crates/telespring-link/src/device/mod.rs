@@ -64,6 +64,9 @@ pub enum Fault {
     /// The device program has sent nothing for too long.
     #[error("the device is silent")]
     Silent,
+    /// The device has reported values that cannot be for so long that no force acts.
+    #[error("the device reports values that cannot be")]
+    Impossible,
 }
 
 impl Fault {
@@ -72,6 +75,7 @@ impl Fault {
         match self {
             Self::Halted => "device-halted",
             Self::Silent => "device-silent",
+            Self::Impossible => "device-impossible",
         }
     }
 
@@ -98,6 +102,11 @@ pub trait Device {
         None
     }
 
+    /// What a robot that is not ready lacks, in words; `None` if it is ready, or does not say.
+    fn lacks(&self) -> Option<&'static str> {
+        None
+    }
+
     /// What becomes readable once the device has measured anew, if the device has a pace of its own.
     fn pace(&self) -> Option<BorrowedFd<'_>> {
         None
@@ -115,6 +124,10 @@ impl<D: Device + ?Sized> Device for Box<D> {
 
     fn poll_order(&mut self) -> Option<Order> {
         (**self).poll_order()
+    }
+
+    fn lacks(&self) -> Option<&'static str> {
+        (**self).lacks()
     }
 
     fn pace(&self) -> Option<BorrowedFd<'_>> {

@@ -75,13 +75,20 @@ pub fn event_words(happened: &Happened) -> (&'static str, Option<String>) {
 
 /// The way that robot 2 has to go, in words.
 fn way_in_words(way: [f64; 2]) -> String {
+    // a small way as exactly as it takes to say that there is one
+    let farthest = 1e3 * way[0].abs().max(way[1].abs());
+    let digits = [1.0, 0.1, 0.01].iter().filter(|least| farthest < **least).count();
+    let zero = format!("{:.digits$}", 0.0);
     let parts: Vec<String> = ["x", "y"]
         .into_iter()
-        .zip(way.map(|value| (1e3 * value).round()))
-        .filter(|(_, millimetres)| *millimetres != 0.0)
-        .map(|(axis, millimetres)| format!("{millimetres:.0} mm in {axis}"))
+        .zip(way.map(|value| format!("{:.digits$}", 1e3 * value)))
+        .filter(|(_, millimetres)| millimetres.trim_start_matches('-') != zero)
+        .map(|(axis, millimetres)| format!("{millimetres} mm in {axis}"))
         .collect();
-    format!("move the handle of site 2 by {}", parts.join(" and "))
+    match parts.as_slice() {
+        [] => "move the handle of site 2 by a few micrometres".to_owned(),
+        parts => format!("move the handle of site 2 by {}", parts.join(" and ")),
+    }
 }
 
 /// How much of the stream is sent from now on, if that is what a path event says.
@@ -108,11 +115,40 @@ mod tests {
     use super::*;
 
     #[test]
+    fn law_every_event_of_the_path_is_documented() {
+        let page = include_str!("../../../../docs/connect.md");
+        let (rate, changed) = (PathEvent::Rate { every: 2 }, PathEvent::Changed);
+        for event in [
+            changed,
+            PathEvent::Direct,
+            PathEvent::Relayed,
+            PathEvent::Withheld,
+            rate,
+            PathEvent::Refused,
+            PathEvent::Lost,
+        ] {
+            assert!(page.contains(&format!("`{}`", event.word())), "{event:?}");
+        }
+    }
+
+    #[test]
     fn law_an_offset_says_who_has_to_move_how_far_and_where() {
         let entry = Entry::new(LocalTime(0), LocalTime(1_500_000_000), &Happened::Offset([-0.0342, 0.005]));
         assert_eq!((entry.time, entry.event, entry.values), (1.5, "offset", Some([-0.0342, 0.005])));
         assert_eq!(entry.cause.as_deref(), Some("move the handle of site 2 by -34 mm in x and 5 mm in y"));
         let entry = Entry::new(LocalTime(0), LocalTime(0), &Happened::Offset([0.0, 0.021]));
         assert_eq!(entry.cause.as_deref(), Some("move the handle of site 2 by 21 mm in y"));
+        // an alignment may be as tight as one likes
+        for (way, said) in [
+            ([-4e-4, 0.0], "-0.4 mm in x"),
+            ([2e-5, 3e-5], "0.02 mm in x and 0.03 mm in y"),
+            ([0.0, 1e-7], "a few"),
+        ] {
+            let entry = Entry::new(LocalTime(0), LocalTime(0), &Happened::Offset(way));
+            assert!(
+                entry.cause.as_deref().is_some_and(|cause| cause.contains(&format!("by {said}"))),
+                "{entry:?}"
+            );
+        }
     }
 }

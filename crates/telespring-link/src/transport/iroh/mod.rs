@@ -4,6 +4,7 @@
 //! lock and allocates nothing. That thread owns the endpoint and everything of tokio. `docs/network.md` says what goes where.
 
 mod admission;
+mod authority;
 mod bell;
 mod links;
 mod network;
@@ -24,13 +25,13 @@ use rtrb::{Consumer, Producer, RingBuffer};
 use telespring::session::LocalTime;
 
 use super::{PathEvent, ROOM, Transport, TransportReport};
-use crate::hello;
 use crate::keys::{SiteId, SiteKey};
+pub use authority::Authority;
 use bell::Bell;
 pub use network::ALPN;
 use network::Ends;
 use packet::{INBOX, Inbox, OUTBOX, Packet};
-use shared::{Shared, Told};
+use shared::{Shared, Told, Way};
 
 /// Who this site is, who the partner is, and where both are.
 #[derive(Debug, Clone)]
@@ -45,6 +46,8 @@ pub struct IrohSettings {
     pub local: Vec<SocketAddr>,
     /// A relay of one's own, to find a way through two firewalls.
     pub relay: Option<RelayUrl>,
+    /// The authority of the relay's certificate; `None`: one on Mozilla's list.
+    pub relay_authority: Option<Authority>,
     /// Whether datagrams may take the way over the relay for good.
     pub relayed: bool,
     /// The real-time priority of the thread of the network: less than the loop's. `None` for an ordinary thread.
@@ -63,6 +66,8 @@ pub struct Iroh {
     turn: u64,
     thinned: u64,
     unsent: u64,
+    /// The thread of the network is gone.
+    is_broken: bool,
     local: Vec<SocketAddr>,
     thread: Option<JoinHandle<()>>,
 }
@@ -100,6 +105,7 @@ impl Iroh {
             turn: 0,
             thinned: 0,
             unsent: 0,
+            is_broken: false,
             local,
             thread: Some(thread),
         })
@@ -109,22 +115,18 @@ impl Iroh {
     pub fn local_addresses(&self) -> &[SocketAddr] {
         &self.local
     }
-
-    /// Whether a datagram is this packet's turn at the rate of now. A greeting always is: there are few, and each counts.
-    fn is_due(&mut self, datagram: &[u8]) -> bool {
-        if datagram.starts_with(&hello::MAGIC) {
-            return true;
-        }
-        self.turn = self.turn.wrapping_add(1);
-        self.turn.is_multiple_of(u64::from(self.shared.every()))
-    }
 }
 
 impl Transport for Iroh {
+    fn is_due(&mut self) -> bool {
+        self.turn = self.turn.wrapping_add(1);
+        let is_due = self.turn.is_multiple_of(u64::from(self.shared.every()));
+        self.thinned += u64::from(!is_due);
+        is_due
+    }
+
     fn send(&mut self, _: LocalTime, datagram: &[u8]) {
-        if !self.is_due(datagram) {
-            self.thinned += 1;
-        } else if self.outbox.push(Packet::new(datagram)).is_ok() {
+        if self.outbox.push(Packet::new(datagram)).is_ok() {
             self.bell.ring();
         } else {
             self.unsent += 1;
@@ -141,6 +143,11 @@ impl Transport for Iroh {
     }
 
     fn poll_path(&mut self) -> Option<PathEvent> {
+        if self.outbox.is_abandoned() && !self.is_broken {
+            // the thread of the network has broken off: nothing comes or goes any more
+            self.is_broken = true;
+            self.shared.set_way(Way::None);
+        }
         self.told.news(&self.shared)
     }
 
@@ -164,26 +171,46 @@ impl Drop for Iroh {
 mod tests {
     use super::*;
 
-    #[test]
-    fn law_packets_are_left_out_evenly_and_greetings_never() {
-        let mut site = Iroh::new(&IrohSettings {
+    fn site() -> Iroh {
+        Iroh::new(&IrohSettings {
             key: SiteKey::generate(),
             peer_ids: vec![SiteKey::generate().id()],
             peers: Vec::new(),
             local: vec![SocketAddr::from(([127, 0, 0, 1], 0))],
             relay: None,
+            relay_authority: None,
             relayed: false,
             priority: None,
         })
-        .unwrap();
-        let greeting = [&hello::MAGIC[..], &[1; 108]].concat();
+        .unwrap()
+    }
+
+    #[test]
+    fn law_a_network_that_breaks_off_is_told_once() {
+        let mut site = site();
+        site.shared.set_way(Way::Direct);
+        assert_eq!(site.poll_path(), Some(PathEvent::Direct));
+        // the thread ends, whatever for
+        site.shared.stop.store(true, Relaxed);
+        site.bell.ring();
+        let start = std::time::Instant::now();
+        let told = std::iter::repeat_with(|| site.poll_path()).find(|told| {
+            std::thread::sleep(std::time::Duration::from_millis(1));
+            told.is_some() || start.elapsed().as_secs() > 30
+        });
+        assert_eq!(told, Some(Some(PathEvent::Lost)));
+        assert_eq!(site.poll_path(), None);
+    }
+
+    #[test]
+    fn law_packets_are_left_out_evenly() {
+        let mut site = site();
         for every in [1, 2, 4] {
             site.shared.set_every(every);
-            let due: Vec<bool> = (0..100).map(|_| site.is_due(&[7; 112])).collect();
+            let due: Vec<bool> = (0..100).map(|_| site.is_due()).collect();
             for some in due.chunks(usize::from(every)) {
                 assert_eq!(some.iter().filter(|is_due| **is_due).count(), 1, "{every}");
             }
-            assert!((0..100).all(|_| site.is_due(&greeting)));
         }
     }
 }
