@@ -85,12 +85,14 @@ test("law_a_newcomer_sees_the_verdict_the_margin_and_the_map", looked, async () 
 });
 
 test("law_no_request_leaves_the_page", looked, async () => {
-  const { page, requests, close } = await open();
+  const { page, requests, errors, close } = await open();
   await settled(page);
   await page.click("#motion button.primary");
   await page.waitForTimeout(500);
   const outside = requests.filter((url) => !/^(file|blob|data):/.test(url));
   assert.deepEqual(outside, []);
+  // what the page's own policy stops is an error on its console
+  assert.deepEqual(errors, []);
   assert.equal(requests.filter((url) => url.startsWith("file:")).length, 1);
   await close();
 });
