@@ -25,7 +25,7 @@ ifneq ($(VENV_USABLE),yes)
 REMAKE := remake
 endif
 
-.PHONY: help study test link link-static test-link bench-link test-relay wheel check-wheel ros2 test-ros2 lint format verify oracles fuzz bench clean toolchain link-toolchain remake
+.PHONY: help study test link link-static test-link bench-link test-relay wheel check-wheel ros2 test-ros2 lint format verify oracles fuzz bench clean toolchain link-toolchain remake page test-page
 
 help: ## list the targets
 	@sed -n 's/^\([a-z0-9-]*\):.*## \(.*\)/  make \1|\2/p' Makefile | awk -F'|' '{ printf "%-16s %s\n", $$1, $$2 }'
@@ -37,6 +37,22 @@ study: $(STAMPS)/binding ## set everything up and reproduce the paper in out/stu
 test: $(STAMPS)/binding $(STAMPS)/test ## set everything up and run all tests
 	PROPTEST_RNG_SEED=20251121 cargo test --locked
 	$(PYTHON_IN_VENV) -m pytest
+
+# One HTML file, and a copy in the package for `telespring explore`, notebooks and the wheel.
+PAGE_CORE := out/page/telespring.wasm
+page: toolchain ## build the page that needs no server, out/page/telespring.html
+	tools/build-wasm.sh $(PAGE_CORE)
+	python3 tools/bundle_page.py $(PAGE_CORE) out/page/telespring.html
+	mkdir -p python/telespring/assets
+	cp out/page/telespring.html python/telespring/assets/telespring.html
+
+# Needs Node.js; what looks at the page needs npm and Chromium. Each says loudly what it lacks.
+test-page: page $(STAMPS)/binding $(STAMPS)/test ## test the page: its core against the native one, and in a browser
+	cargo test --locked -p telespring-wasm
+	$(PYTHON_IN_VENV) -m pytest tests/test_page_answers.py tests/test_explore.py
+	@command -v npm >/dev/null || echo "SKIPPED: no npm: nobody has looked at the page"
+	! command -v npm >/dev/null || (cd page/test && npm ci --no-audit --no-fund && \
+		TELESPRING="$(CURDIR)/$(VENV)/bin/telespring" node --test)
 
 # The live program is no default member of the workspace: what does not name it does not build it.
 link: link-toolchain ## build the live program, target/release/telespring-link (Linux)

@@ -176,6 +176,7 @@ __all__ = [
     "delay_limit",
     "export_bids",
     "export_mat",
+    "explore",
     "fit_noise",
     "frequency_grid",
     "frequency_response",
@@ -216,6 +217,7 @@ if TYPE_CHECKING:
     from telespring.analysis.sessions import analyse_recording as analyse_recording
     from telespring.answer import Answer as Answer
     from telespring.answer import decide as decide
+    from telespring.app.widget import explore as explore
     from telespring.comparison import Comparison as Comparison
     from telespring.comparison import compare as compare
     from telespring.exchange import BidsExport as BidsExport
@@ -251,6 +253,7 @@ else:
             "decide": "telespring.answer",
             "export_bids": "telespring.exchange",
             "export_mat": "telespring.exchange",
+            "explore": "telespring.app.widget",
             "merge_recordings": "telespring.recording",
             "merge_shards": "telespring.sweeps",
             "merge_surveys": "telespring.sweeps",

@@ -8,6 +8,7 @@
 //! | [`study`] | reads and writes study files |
 //! | [`criteria`] | crossings, critical stiffness, stable delays and their inverses, for one axis |
 //! | [`verdicts`](mod@verdicts) | the five verdicts on a dyad over a network |
+//! | [`decision`] | the answer in one word, with what it keeps in reserve |
 //! | [`spectrum`] | characteristic roots with a certificate that none is missing |
 //! | [`response`] | transfer matrix, Nyquist locus, magnitude and phase |
 //! | [`dde`] | time response: exact for the linear dyad, adaptive for any right-hand side |
@@ -27,6 +28,7 @@
 
 pub mod criteria;
 pub mod dde;
+pub mod decision;
 pub mod delay_system;
 pub mod error;
 pub mod model;

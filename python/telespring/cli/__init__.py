@@ -18,6 +18,7 @@ from telespring.cli.compare import compare_command
 from telespring.cli.connect import connect_command
 from telespring.cli.decide import decide_command
 from telespring.cli.export import export_command
+from telespring.cli.explore import explore_command
 from telespring.cli.help import Command, Group
 from telespring.cli.identify import identify_command
 from telespring.cli.merge import merge_command
@@ -42,6 +43,7 @@ app = typer.Typer(
     rich_markup_mode="rich",
 )
 app.command("decide", cls=Command)(decide_command)
+app.command("explore", cls=Command)(explore_command)
 app.command("simulate", cls=Command)(simulate_command)
 app.command("identify", cls=Command)(refusals()(identify_command))
 app.command("rehearse", cls=Command)(refusals()(rehearse))
