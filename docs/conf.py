@@ -38,7 +38,13 @@ command_reference.write(GENERATED / "commands.md")
 python_reference.write(GENERATED / "python.rst")
 page.write(GENERATED / "try-it.md", ROOT / "out" / "page" / "telespring.html")
 
-exclude_patterns = ["_build", "node_modules", "gallery", "**/sg_execution_times.rst", "sg_execution_times.rst"]
+exclude_patterns = [
+    "_build",
+    "node_modules",
+    "gallery",
+    "**/sg_execution_times.rst",
+    "sg_execution_times.rst",
+]
 suppress_warnings = ["config.cache"]  # the gallery's order is a function, which no cache keeps
 smartquotes = False  # `--check` is no dash
 default_role = "literal"  # docstrings quote names with single backticks

@@ -87,7 +87,9 @@ def setup(app: Sphinx) -> dict[str, Any]:
 
         formula = renderer.render(node.astext(), is_display=True)
         # what is wider than the screen scrolls by keyboard, too
-        self.body.append(f'<div class="formula" tabindex="0" role="group" aria-label="Formula">{formula}</div>')
+        self.body.append(
+            f'<div class="formula" tabindex="0" role="group" aria-label="Formula">{formula}</div>'
+        )
         raise nodes.SkipNode
 
     def ship(app: Sphinx, failed: Exception | None) -> None:
