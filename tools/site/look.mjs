@@ -36,7 +36,10 @@ for (const [scheme, width] of [["light", 1200], ["dark", 400]]) {
   const context = await browser.newContext({ colorScheme: scheme, viewport: { width, height: 900 } });
   for (const name of pages) {
     const page = await context.newPage();
-    const say = fault => faults.push(`${name} (${scheme}, ${width} px): ${fault}`);
+    const say = fault => {
+      faults.push(fault);
+      console.error(`${name} (${scheme}, ${width} px): ${fault}`);
+    };
     page.on("pageerror", error => say(`script: ${error.message}`));
     page.on("request", request => {
       if (!/^(file|data|blob|about):/.test(request.url())) say(`request: ${request.url()}`);
@@ -60,6 +63,5 @@ for (const [scheme, width] of [["light", 1200], ["dark", 400]]) {
 }
 await browser.close();
 
-for (const fault of faults) console.error(fault);
 console.log(`${pages.length} pages, each dark and light: ${faults.length} faults`);
 process.exit(faults.length ? 1 : 0);
