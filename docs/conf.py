@@ -7,13 +7,16 @@ import sys
 import tomllib
 from pathlib import Path
 
+from pygments.lexers import TextLexer
+from sphinx.application import Sphinx
+
 DOCS = Path(__file__).resolve().parent
 ROOT = DOCS.parent
 sys.path[:0] = [str(ROOT / "python"), str(ROOT)]
 # Before NumPy is loaded: on cores that others use too, OpenBLAS' threads wait for each other.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-from tools.site import command_reference, gallery, page, python_reference  # noqa: E402
+from tools.site import command_reference, gallery, misprints, page, python_reference  # noqa: E402
 
 project = "telespring"
 author = "telespring developers"
@@ -36,6 +39,7 @@ extensions = [
 GENERATED = DOCS / "_generated"
 command_reference.write(GENERATED / "commands.md")
 python_reference.write(GENERATED / "python.rst")
+misprints.write(GENERATED / "misprints.md")
 page.write(GENERATED / "try-it.md", ROOT / "out" / "page" / "telespring.html")
 
 exclude_patterns = [
@@ -82,3 +86,8 @@ html_theme_options = {
     "pygments_light_style": "a11y-high-contrast-light",
     "pygments_dark_style": "a11y-high-contrast-dark",
 }
+
+
+def setup(app: Sphinx) -> None:
+    """Show tables in text as they are: no highlighter knows them."""
+    app.add_lexer("csv", TextLexer)

@@ -18,7 +18,16 @@ from typer.testing import CliRunner
 
 from telespring.cli import app
 
-__all__ = ["WIDTH", "Block", "blocks_of", "command_lines", "documents", "run_console", "run_python", "same_output"]
+__all__ = [
+    "WIDTH",
+    "Block",
+    "blocks_of",
+    "command_lines",
+    "documents",
+    "run_console",
+    "run_python",
+    "same_output",
+]
 
 #: Columns of the terminal in which the documents' consoles were recorded.
 WIDTH = 100
@@ -32,8 +41,8 @@ _IS_SAME = doctest.OutputChecker().check_output
 class Block:
     """One block of code.
 
-    `language` is what its fence says, empty for an indented block; `reason` says why it cannot be run here, and
-    `output` what a block of text right behind it shows.
+    `language` is what its fence says, or "indented"; `reason` says why it cannot be run here, and `output`
+    what a block of text right behind it shows.
     """
 
     document: str
@@ -65,7 +74,9 @@ def blocks_of(root: Path, document: str) -> list[Block]:
         if token.type not in ("fence", "code_block"):
             continue
         before = tokens[number - 1] if number else None
-        marked = _NOT_RUN.fullmatch(before.content) if before is not None and before.type == "html_block" else None
+        marked = (
+            _NOT_RUN.fullmatch(before.content) if before is not None and before.type == "html_block" else None
+        )
         language = token.info.split()[0] if token.type == "fence" and token.info.strip() else ""
         if language.startswith("{"):
             continue  # a directive of the site, such as its table of contents
@@ -86,7 +97,7 @@ def blocks_of(root: Path, document: str) -> list[Block]:
 
 
 def same_output(shown: str, printed: str) -> bool:
-    """Return whether a program printed what is shown; a line of dots stands for any lines, blanks count as one."""
+    """Return whether a program printed what is shown; dots stand for anything, blanks count as one."""
     options = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
     # "..." at the start of an expected output would be a prompt
     return _IS_SAME("-\n" + shown, "-\n" + printed, options)

@@ -2,7 +2,8 @@
 How stiff may a spring be at which delay?
 =========================================
 
-The map of one dyad: every stiffness with every one-way delay. The boundary is computed, not simulated. The star is one condition.
+The map of one dyad: every stiffness with every one-way delay. The boundary is computed, not simulated.
+The star is one condition.
 """
 
 import telespring as ts
@@ -11,7 +12,8 @@ dyad = ts.hman()  # the robots of Du et al., Table III
 ax = ts.plot.stability_map(dyad, mark=(71.2, 0.1))
 
 # %%
-# Below the critical stiffness no constant delay destabilises the dyad. Twice of it is stable up to one delay.
+# Below the critical stiffness no constant delay destabilises the dyad. Twice of it is stable up to one
+# delay.
 
 critical = ts.critical_stiffness(dyad)
 limit = ts.maximum_delay(dyad, 2 * critical)

@@ -2,8 +2,9 @@
 What does jitter cost?
 ======================
 
-Five verdicts assume five things about the network, and each allows its own stiffness. Jitter makes the delay vary. The verdict for a
-constant delay then holds behind a playout buffer only, which waits for the latest packet.
+Five verdicts assume five things about the network, and each allows its own stiffness. Jitter makes the
+delay vary. The verdict for a constant delay then holds behind a playout buffer only, which waits for the
+latest packet.
 """
 
 import matplotlib.pyplot as plt
@@ -29,7 +30,8 @@ ax.set(
 ax.legend()
 
 # %%
-# "Age in a range" lies between the verdict for one constant delay and the one for any variation. It needs no buffer.
+# "Age in a range" lies between the verdict for one constant delay and the one for any variation. It
+# needs no buffer.
 
 assert np.all(np.diff(bounds["age in a range"]) < 0)
 for between, below, above in zip(

@@ -2,8 +2,8 @@
 Which motion becomes unstable?
 ==============================
 
-The characteristic roots of one axis while the delay grows. A pair of roots crosses the imaginary axis at the maximum delay; its
-imaginary part is the frequency at which the dyad would begin to swing.
+The characteristic roots of one axis while the delay grows. A pair of roots crosses the imaginary axis at
+the maximum delay; its imaginary part is the frequency at which the dyad would begin to swing.
 """
 
 import matplotlib.pyplot as plt

@@ -2,8 +2,8 @@
 Why does the Nyquist locus pass through −1?
 ===========================================
 
-Two free handles can be carried off together, so that s = 0 is always a root and the locus always passes through −1 at ω = 0. Stability
-is about the other roots: the encirclements are counted without this one.
+Two free handles can be carried off together, so that s = 0 is always a root and the locus always passes
+through −1 at ω = 0. Stability is about the other roots: the encirclements are counted without this one.
 """
 
 import matplotlib.pyplot as plt

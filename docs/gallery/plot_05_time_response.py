@@ -2,8 +2,8 @@
 Stable and unstable, in time
 ============================
 
-Two people push against each other with 1 N. Just below the maximum delay the swing dies out; just above it grows, as fast as the rightmost
-root says.
+Two people push against each other with 1 N. Just below the maximum delay the swing dies out; just above
+it grows, as fast as the rightmost root says.
 """
 
 import matplotlib.pyplot as plt

@@ -2,8 +2,8 @@
 Stability can return at a longer delay
 ======================================
 
-The stable delays of a dyad are a union of intervals. This one is stable below 851 ms, unstable up to 1774 ms, and stable again up to
-2113 ms.
+The stable delays of a dyad are a union of intervals. This one is stable below 851 ms, unstable up to
+1774 ms, and stable again up to 2113 ms.
 """
 
 import matplotlib.pyplot as plt

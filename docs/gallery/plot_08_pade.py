@@ -2,8 +2,8 @@
 Why no Padé approximation
 =========================
 
-Textbooks replace a delay by a ratio of polynomials. The ratio of low order overestimates the delay that a dyad bears, so that what it calls
-stable is not.
+Textbooks replace a delay by a ratio of polynomials. The ratio of low order overestimates the delay that
+a dyad bears, so that what it calls stable is not.
 """
 
 import matplotlib.pyplot as plt

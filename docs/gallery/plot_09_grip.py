@@ -2,8 +2,8 @@
 Does a firm grip help?
 ======================
 
-A hand is a spring to the ground, and that helps: from some stiffness on, no constant delay destabilises the dyad. But a hand also has a
-mass, and that takes most of it away again.
+A hand is a spring to the ground, and that helps: from some stiffness on, no constant delay destabilises
+the dyad. But a hand also has a mass, and that takes most of it away again.
 """
 
 import matplotlib.pyplot as plt
@@ -26,7 +26,8 @@ ax.set_title(f"The H-MANs' x axis, {stiffness:g} N/m")
 ax.legend()
 
 # %%
-# `telespring decide --grip 50:300` asks for all grips of a range at once, and holds for the worst of them.
+# `telespring decide --grip 50:300` asks for all grips of a range at once, and holds for the worst of
+# them.
 
 for hand, limit in limits.items():
     print(f"hand of {hand:g} kg: free {1000 * limit[0]:.1f} ms, at 300 N/m {1000 * limit[-1]:.1f} ms")

@@ -2,8 +2,9 @@
 A delay that varies
 ===================
 
-"k ≤ k_m is robust against unpredictable delays" holds for constant delays only. Two equal robots meet a network here that always delivers
-the most harmful sample of the past. At k_m the motion grows; below half of k_m no network can do that.
+"k ≤ k_m is robust against unpredictable delays" holds for constant delays only. Two equal robots meet a
+network here that always delivers the most harmful sample of the past. At k_m the motion grows; below
+half of k_m no network can do that.
 """
 
 import matplotlib.pyplot as plt

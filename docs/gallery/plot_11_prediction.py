@@ -2,8 +2,8 @@
 What a predictor does to stability
 ==================================
 
-A side can use where its partner will be instead of where it was. On a bare spring a straight line helps at short delays and harms at long
-ones.
+A side can use where its partner will be instead of where it was. On a bare spring a straight line helps
+at short delays and harms at long ones.
 """
 
 import telespring as ts

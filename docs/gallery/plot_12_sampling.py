@@ -2,8 +2,8 @@
 What a slow controller costs
 ============================
 
-A controller holds its force for a sample period. At 1 kHz that costs next to nothing; at 30 to 60 Hz, the rate of many arms for
-learning, it costs most of the stiffness.
+A controller holds its force for a sample period. At 1 kHz that costs next to nothing; at 30 to 60 Hz,
+the rate of many arms for learning, it costs most of the stiffness.
 """
 
 import matplotlib.pyplot as plt

@@ -2,8 +2,8 @@
 Mass and damping from a log
 ===========================
 
-The log has positions and forces at the handle of a simulated robot: 1.2 and 1.4 kg, 6 and 8 N·s/m. Identification finds them with
-intervals, and says what the force had beside them.
+The log has positions and forces at the handle of a simulated robot: 1.2 and 1.4 kg, 6 and 8 N·s/m.
+Identification finds them with intervals, and says what the force had beside them.
 """
 
 from pathlib import Path

@@ -2,7 +2,8 @@
 What a recorded network deserves
 ================================
 
-Twenty seconds of round trips say how long each side should wait before it uses a sample, and how stiff the spring may then be.
+Twenty seconds of round trips say how long each side should wait before it uses a sample, and how stiff
+the spring may then be.
 """
 
 from pathlib import Path

@@ -2,8 +2,8 @@
 How often is the paper's criterion unsafe?
 ==========================================
 
-The criteria broadcast over arrays: here 200 000 random dyads in one call. For each the share of the stiffness that Eq. 5 allows and that is
-not safe.
+The criteria broadcast over arrays: here 200 000 random dyads in one call. For each the share of the
+stiffness that Eq. 5 allows and that is not safe.
 """
 
 import matplotlib.pyplot as plt
@@ -29,9 +29,7 @@ figure.colorbar(shown, label="Dyads for which Eq. 5 is unsafe, %")
 
 # %%
 
-print(
-    f"unsafe for {100 * np.mean(too_much > 1 + 1e-9):.0f} % of all; at worst by a factor of {too_much.max():.1f}"
-)
+print(f"unsafe for {100 * np.mean(too_much > 1 + 1e-9):.0f} %, at worst by a factor of {too_much.max():.1f}")
 assert np.all(too_much > 1 - 1e-9)  # it never errs to the safe side
 same = ts.critical_stiffness(1.0, 2.0, 1.0, 2.0, method="paper") / ts.critical_stiffness(1.0, 2.0, 1.0, 2.0)
 assert abs(same - 1) < 1e-9  # identical robots: it is exact

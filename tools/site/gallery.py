@@ -1,4 +1,4 @@
-"""How the gallery is run: every script, in the order of its number, and a script that fails stops the build."""
+"""How the gallery is run: every script, in the order of its number; one that fails stops the build."""
 
 from __future__ import annotations
 

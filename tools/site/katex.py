@@ -1,4 +1,4 @@
-"""Formulas as KaTeX draws them, rendered while the site is built: a page needs no script, no server and no fonts of others."""
+"""Formulas as KaTeX draws them, rendered while the site is built: a page needs no script for them."""
 
 from __future__ import annotations
 

@@ -8,16 +8,17 @@ __all__ = ["files", "write"]
 
 _FRAME = """# Try it
 
-Move a slider: the verdict, its margins and the map follow. Nothing leaves this page; [open it on its own]({name}) to save it
-or to send it to a colleague.
+Move a slider: the verdict, its margins and the map follow. Nothing leaves this page.
+<a href="../{name}">Open it on its own</a> to save it or to send it to a colleague.
 
 <iframe class="try-it" src="../{name}" title="telespring: try a dyad" loading="lazy"></iframe>
 """
 
 _ABSENT = """# Try it
 
-This copy of the site was built without the interactive page. `make page` makes it, in `out/page/telespring.html`; the next `make docs`
-shows it here. Meanwhile the [first tutorial](../tutorials/decide.md) asks the same question on the command line.
+This copy of the site was built without the interactive page. `make page` makes it, in
+`out/page/telespring.html`; the next `make docs` shows it here. Meanwhile the
+[first tutorial](../tutorials/decide.md) asks the same question on the command line.
 """
 
 

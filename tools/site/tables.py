@@ -1,4 +1,4 @@
-"""Tables whose corner is empty: a header cell without words says nothing to a screen reader, so it gets some that are not seen."""
+"""Header cells without words, which say nothing to a screen reader: they get some that are not seen."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from sphinx.application import Sphinx
 __all__ = ["setup"]
 
 
-def _name_empty_headers(app: Sphinx, tree: nodes.document, page: str) -> None:
+def _name_empty_headers(_app: Sphinx, tree: nodes.document, _page: str) -> None:
     for head in tree.findall(nodes.thead):
         for number, entry in enumerate(head.findall(nodes.entry)):
             if not entry.astext().strip():
