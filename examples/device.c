@@ -124,7 +124,7 @@ int main(int count, char **arguments) {
     int udp = open_link(own, site);
 
     struct handle handle = {{0.0, 0.0}, {0.0, 0.0}};
-    double force[2] = {0.0, 0.0}, newest = 0.0, largest = 0.0;
+    double force[2] = {0.0, 0.0}, newest = 0.0, commands = 0.0, largest = 0.0;
     double start = now(), heard = start, moved = start, told = -INFINITY;
     double rows = 0.0;
     while (now() - heard < PATIENCE) {
@@ -134,12 +134,13 @@ int main(int count, char **arguments) {
             taken = take(udp, command);
             if (taken < 1 || command[1] <= newest) continue;
             newest = command[1];
+            commands += 1.0;
             force[0] = command[4];
             force[1] = command[5];
             limit(force);
             told = heard = tick;
             if (command[7] == 1.0) { /* the session is over; command[6] is 0 in a pause, too */
-                printf("%.0f rows, %.0f commands, %.3f N at most\n", rows, newest, largest);
+                printf("%.0f rows, %.0f commands, %.3f N at most\n", rows, commands, largest);
                 close(udp);
                 return EXIT_SUCCESS;
             }

@@ -19,6 +19,8 @@ STATE = struct.Struct("<13d")
 COMMAND = struct.Struct("<8d")
 PERIOD = 0.001  # s, the sample period of the study
 DEADLINE = 0.02  # s, how long a command acts
+LARGEST = 20.0  # N, the largest force that person and robot bear
+MOST_ROWS = 64  # datagrams that one tick looks at
 PATIENCE = 5.0  # s without any command, after which this program ends
 
 
@@ -44,6 +46,17 @@ def address(text: str) -> tuple[str, int]:
     return host, int(port)
 
 
+def take(row: bytes, newest: float) -> tuple[float, list[float], bool] | None:
+    """Return sequence number, force and whether the session is over; None if the row is no newer command."""
+    if len(row) != COMMAND.size:
+        return None
+    version, sequence, _, _, x, y, _, over = COMMAND.unpack(row)
+    if version != 1.0 or not sequence > newest or not all(map(math.isfinite, (sequence, x, y))):
+        return None
+    cut = LARGEST / max(LARGEST, math.hypot(x, y))
+    return sequence, [cut * x, cut * y], over == 1.0
+
+
 def main() -> None:
     """Be the robot until the session is over."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
@@ -58,25 +71,24 @@ def main() -> None:
     handle = Handle()
     force, newest, told = [0.0, 0.0], 0.0, -math.inf
     start = heard = moved = time.monotonic()
-    rows, largest = 0, 0.0
+    rows, commands, largest = 0, 0, 0.0
     while time.monotonic() - heard < PATIENCE:
         time.sleep(max(0.0, start + (rows + 1) * PERIOD - time.monotonic()))
         now = time.monotonic()
-        while True:
+        for _ in range(MOST_ROWS):
             try:
-                row = site.recv(512)
+                command = take(site.recv(512), newest)
             except BlockingIOError:
                 break
             except ConnectionRefusedError:
                 continue  # telespring-link does not listen yet
-            if len(row) != COMMAND.size:
+            if command is None:
                 continue
-            version, sequence, _, _, x, y, _, over = COMMAND.unpack(row)
-            if version == 1.0 and sequence > newest:
-                newest, force, told, heard = sequence, [x, y], now, now
-                if over == 1.0:
-                    print(f"{rows} rows, {newest:.0f} commands, {largest:.3f} N at most")
-                    return
+            (newest, force, is_over), told, heard = command, now, now
+            commands += 1
+            if is_over:
+                print(f"{rows} rows, {commands} commands, {largest:.3f} N at most")
+                return
         if now - told > DEADLINE:
             force = [0.9 * force[0], 0.9 * force[1]]  # nobody commands: let go
         largest = max(largest, math.hypot(*force))

@@ -9,15 +9,15 @@ import os
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import json
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import pytest
 from hypothesis import settings
-from typer.testing import CliRunner, Result
+from typer.testing import CliRunner
 
 import telespring as ts
+from paper_study import PaperStudy
 from telespring.cli import app
 from telespring.paper import Analysis
 from telespring.references import read_reference
@@ -51,14 +51,6 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if isinstance(item, pytest.Function) and "paper_study" in item.fixturenames:
             item.add_marker(pytest.mark.timeout(600))
-
-
-@dataclass(frozen=True)
-class PaperStudy:
-    """What `telespring reproduce` printed, and the folder that it wrote."""
-
-    result: Result
-    folder: Path
 
 
 @pytest.fixture(scope="session")

@@ -134,6 +134,7 @@ def run_console(block: Block) -> list[str]:
     differences = []
     for command, shown in _conversations(block.text):
         words = shlex.split(command, comments=True)
+        words = [each for word in words for each in (sorted(map(str, Path().glob(word))) or [word])]
         if words[0] == "cat":
             printed, status = "".join(Path(word).read_text(encoding="utf-8") for word in words[1:]), 0
         else:

@@ -95,17 +95,20 @@ def live(*, is_demo: bool) -> int:
     for side in sides:
         say("event", side=side, time=0.1 * side, event="ramping-out", cause="silence")
     cause, is_open = "stop-requested", True
+    time.sleep(float(BEHAVIOUR.get("deaf", 0.0)))
+    text = ""
     while is_stuck or (not LEAVES and time.monotonic() - begun < seconds):
         for side in sides:
             status(side, time.monotonic() - begun)
         ready, _, _ = select.select([0] if is_open else [], [], [], 0.02)
         if ready:
-            text = os.read(0, 4096).decode()
-            is_open = bool(text)
-            if not text:
+            text += os.read(0, 4096).decode() or "\x04"
+            is_open = "\x04" not in text
+            if not is_open:
                 cause = "operator-gone"
                 break
-            for order in text.split("\n")[:-1]:
+            *orders, text = text.split("\n")
+            for order in orders:
                 say("event", side=1, time=1.0, event=f"order-{order}")
     if "note" in BEHAVIOUR:
         Path(BEHAVIOUR["note"]).write_text(f"{cause} {len(LEAVES)}\n")

@@ -28,7 +28,8 @@ FIELDS = {
         energy_received:d partner_energy_sent?:d stiffness_wanted:d stiffness:d partner_stiffness?:d
         latency_device?:d latency_loop:d latency_network?:d latency_playout?:d packets_sent:u
         packets_received:u
-        packets_refused:u packets_lost:u packets_late:u held_ticks:u unrecorded_arrivals:u""",
+        packets_refused:u packets_lost:u packets_late:u held_ticks:u unrecorded_arrivals:u is_timed:b share:d
+        handle_offset?:P overruns:u""",
     "arrival.Arrival": "tick:u time:u is_taken:b length:u datagram:y",
     "event.Event": "time:u event:s cause?:s",
 }

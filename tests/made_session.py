@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import struct
 from pathlib import Path
 from typing import Any
@@ -39,9 +40,12 @@ def positions(ticks: int, side: int, *, still: bool) -> tuple[NDArray[np.float64
 
 
 def made_session(
-    ticks: int = 2000, *, still: bool = False, loss: float = 0.02, **session: object
+    ticks: int = 2000, *, still: bool = False, has_target: bool = False, loss: float = 0.02, **session: object
 ) -> tuple[ts.SiteRecording, ts.SiteRecording]:
-    """Make both sides of a session of a spring of 60 N/m; the forces are those of a replay."""
+    """Make both sides of a session of a spring of 60 N/m, without the forces.
+
+    A target stands still where robot 1 begins.
+    """
     study = ts.Study.paper().replace(coupling={"stiffness": 60.0}, network={"delay": 0.04}, session=session)
     random = np.random.default_rng(1)
     motions = [positions(ticks, side, still=still) for side in range(2)]
@@ -68,6 +72,7 @@ def made_session(
                 if newest is None or stamp > newest[0]:
                     known[side] = stamp, arrived
     unknown = np.full((ticks, 2), np.nan)
+    target = np.tile(motions[0][0][0], (ticks, 1)) if has_target else unknown
     sites = [
         ts.SiteRecording(
             study=study,
@@ -82,8 +87,8 @@ def made_session(
             position=motions[side][0],
             velocity=motions[side][1],
             acted=unknown,
-            target_position=unknown,
-            target_velocity=unknown,
+            target_position=target,
+            target_velocity=0.0 * target,
             share=np.ones((ticks, 2)),
             wanted=unknown,
             force=unknown,
@@ -99,6 +104,25 @@ def made_session(
     return sites[0], sites[1]
 
 
+def with_forces(
+    pair: tuple[ts.SiteRecording, ts.SiteRecording],
+) -> tuple[ts.SiteRecording, ts.SiteRecording]:
+    """Give a made session the forces that its own settings give."""
+    found = ts.replay(*pair)
+    one, two = (
+        dataclasses.replace(side.recording, wanted=side.own.wanted, force=side.own.force)
+        for side in found.sides
+    )
+    return one, two
+
+
+def write_session(folder: Path) -> list[Path]:
+    """Write the recordings of both sites of a session, as `telespring connect` does."""
+    folder.mkdir(parents=True, exist_ok=True)
+    sites = with_forces(made_session(has_target=True))
+    return [write_recording(folder / f"site{site.side}.mcap", site) for site in sites]
+
+
 def write_recording(path: Path, site: ts.SiteRecording) -> Path:
     """Write a made site as the live program does, as far as a replay reads it."""
     with path.open("wb") as stream:
@@ -112,7 +136,9 @@ def write_recording(path: Path, site: ts.SiteRecording) -> Path:
         writer.add_metadata("endpoint", {"sample_period_ns": str(PERIOD)})
         spans = {"silence_ns": round(1e9 * site.silence), "stall_ns": round(1e9 * site.stall)}
         safety = {name: str(value) for name, value in spans.items()}
-        writer.add_metadata("safety", safety | {"force": repr(site.largest_force)})
+        limits = {"force": repr(site.largest_force), "rise": repr(site.steepest_rise)}
+        limits |= {"scale": "1", "lock_x": "false", "lock_y": "false"}
+        writer.add_metadata("safety", safety | limits)
         writer.add_attachment(0, 0, "study.toml", "application/toml", site.study.to_toml().encode())
         made = {}
         for full in ("tick.Tick", "arrival.Arrival", "event.Event"):
@@ -135,6 +161,9 @@ def write_recording(path: Path, site: ts.SiteRecording) -> Path:
                 phase="running",
                 watchdog="engaged",
                 is_measured=bool(site.is_given[tick]),
+                share=float(site.share[tick, 0]),
+                stiffness_wanted=site.study.stiffness,
+                stiffness=site.study.stiffness,
             )
             if site.answered[tick]:
                 row.asked_time = int(site.answered[tick])

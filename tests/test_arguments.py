@@ -4,6 +4,7 @@ import copy
 import inspect
 import pickle
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ import pytest
 import xarray as xr
 
 import telespring as ts
+from made_session import write_session
 
 DYAD = ts.hman()
 ROBOT = ts.Robot([1.0, 2.0], [3.0, 4.0])
@@ -88,10 +90,8 @@ VALID: dict[str, Any] = {
     "velocities": True,
 }
 OWN: dict[str, dict[str, Any]] = {
-    "analyse_recording": {"recording": "examples/session.mcap"},
     "assess_trace": {"trace": ts.Trace([0.01 * n for n in range(1000)], [0.05] * 1000)},
     "OperatorRange": {"low": ts.Operator(), "high": ts.Operator(1.0)},
-    "replay": {"session": "examples/session.mcap"},
     "solve_dde": {"history": [1.0], "max_steps": 1000},
 }
 
@@ -116,17 +116,26 @@ def callables() -> Iterator[tuple[str, Callable[..., Any]]]:
         yield f"DyadAxis.{method}", getattr(DYAD["x"], method)
 
 
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a recording of a live session."""
+    return write_session(tmp_path_factory.mktemp("recordings"))[0]
+
+
 @pytest.mark.parametrize(
     ("name", "public"), list(callables()), ids=lambda value: value if isinstance(value, str) else ""
 )
 @pytest.mark.filterwarnings("ignore")
 def test_law_a_value_of_the_wrong_type_is_refused_by_name_with_a_remedy(
-    name: str, public: Callable[..., Any]
+    name: str, public: Callable[..., Any], recording: Path
 ) -> None:
     parameters = inspect.signature(public).parameters
     required = [key for key, parameter in parameters.items() if parameter.default is parameter.empty]
     # the classes of results take any number of arguments that only other results have
-    valid = {key: VALID.get(key) for key in {*required, *VALID} & parameters.keys()} | OWN.get(name, {})
+    own = OWN.get(name, {})
+    if name in {"analyse_recording", "replay"}:
+        own = {next(iter(parameters)): recording}
+    valid = {key: VALID.get(key) for key in {*required, *VALID} & parameters.keys()} | own
     for key in parameters:
         for wrong in WRONG:
             try:

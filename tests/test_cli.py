@@ -16,7 +16,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 import telespring as ts
-from conftest import PaperStudy
+from paper_study import PaperStudy
 from questions import decide
 from telespring import cli
 

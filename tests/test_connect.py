@@ -23,9 +23,11 @@ from typer.testing import CliRunner
 
 import telespring as ts
 from telespring import cli
+from telespring.cli.keyboard import Keyboard
 from telespring.connection import LiveSession, RunningProgram, find_program, outcome
 from telespring.show.live_words import describe_event, describe_phase
 from telespring.show.screens.live import live_screen, status_line
+from telespring.show.screens.live_outcome import live_outcome_screen
 
 ROOT = Path(__file__).parents[1]
 FAKE = Path(__file__).parent / "fake_link.py"
@@ -115,6 +117,44 @@ def test_law_without_a_terminal_events_and_a_summary_are_plain_lines() -> None:
     assert "\x1b" not in found.stdout
 
 
+def test_law_a_summary_hides_nothing_that_went_wrong() -> None:
+    def said(**changes: Any) -> str:
+        session = LiveSession()
+        site = {
+            "type": "summary", "side": 1, "seconds": 20.0, "coupled_share": 0.5, "cause": "stop-requested",
+            "limited_share": 0.0, "cut_share": 0.0, "softened_share": 0.0, "events": [],
+            "recording": {"path": "a.mcap", "status": "complete", "missed": 0},
+        }  # fmt: skip
+        session.take(site | changes, 0.0)
+        console = Console(width=200, file=io.StringIO())
+        with console.capture() as captured:
+            live_outcome_screen(console, session)
+        return " ".join(captured.get().split())
+
+    fine = said()
+    assert "Nothing held the spring's force back." in fine
+    assert fine.endswith("Recording: a.mcap")
+    cut = said(cut_share=0.25, softened_share=0.5)
+    assert "Nothing held" not in cut
+    assert "A limit of the force cut it in 25 % of the ticks. A bad network softened it in 50 %" in cut
+    events = [
+        {"event": "interrupted", "cause": "velocity"},
+        {"event": "interrupted", "cause": "pause-ordered"},
+        {"event": "emergency-stop", "cause": "here"},
+        {"event": "recording-broken"},
+    ]
+    wrong = said(events=events)
+    for words in (
+        "the handle was too fast (1 time)",
+        "emergency stop pressed: at this side",
+        "has broken off",
+    ):
+        assert words in wrong
+    assert "somebody wants a pause" not in wrong
+    broken = {"path": "a.mcap", "status": "broken", "cause": "No space left\x1b[2J", "missed": 7}
+    assert said(recording=broken).endswith("Recording: a.mcap (broken: No space left[2J; 7 items missed)")
+
+
 def test_law_the_exit_status_is_the_programs(fake: Callable[..., Any]) -> None:
     fake(status=1)
     assert connect("--demo", "--json").exit_code == 1
@@ -142,6 +182,13 @@ def test_law_options_reach_the_program_in_si_units(fake: Callable[..., Any], tmp
     }
     assert pairs["--seconds"] == "3.0"
     assert pairs["--record"] == "out/connect"
+    assert connect("--demo", "--imposed-delay", "120ms").exit_code == 0
+    assert json.loads(note.read_text())[-2:] == ["--imposed-delay", "0.12"]
+    marks = ["--trial", "-1 to 1", "--condition", "soft", "--participant", "P-07"]
+    for kind in (["--demo"], ["--site", "a.toml"]):
+        assert connect(*kind, *marks).exit_code == 0
+        said = json.loads(note.read_text())
+        assert said[-3:] == ["--participant=P-07", "--condition=soft", "--trial=-1 to 1"]
     assert (tmp_path / "out" / "connect").is_dir()
     assert connect("--site", "a.toml", "--record", "here").exit_code == 0
     assert json.loads(note.read_text()) == ["run", "a.toml", "--console", "--record", "here"]
@@ -157,6 +204,8 @@ def test_law_options_reach_the_program_in_si_units(fake: Callable[..., Any], tmp
         (("--site", "a.toml", "--strategy", "spring"), "--strategy = spring"),
         (("--check", "a.toml", "--loss", "0.1"), "--loss = 0.1"),
         (("--check", "a.toml", "--record", "here"), "--record = here"),
+        (("--check", "a.toml", "--trial", "7"), "--trial = 7"),
+        (("--site", "a.toml", "--imposed-delay", "0.1"), 'playout = {kind = "fixed", delay = …}'),
     ],
 )
 @pytest.mark.usefixtures("fake")
@@ -264,12 +313,81 @@ def test_law_keys_are_orders_and_the_terminal_is_left_as_it_was(fake: Callable[.
     assert not during[3] & termios.ICANON
     os.write(master, b"p")
     wait_for(lambda: sees(b"order pause"))
+    os.write(master, b"m")
+    wait_for(lambda: sees(b"Enter sets it"))
+    os.write(master, b"trial 7\r")
+    wait_for(lambda: sees(b"order mark trial 7"))
     process.send_signal(signal.SIGINT)
     wait_for(lambda: sees(b"Recording: out/side-2.mcap"))
     assert process.wait(60) == 0
     assert termios.tcgetattr(slave) == before
     os.close(master)
     os.close(slave)
+
+
+def typed(*pieces: bytes) -> tuple[list[str], str | None]:
+    """Return the orders of keys that come in these pieces, and the marker that is being typed then."""
+    reading, writing = os.pipe()
+    keys, orders = Keyboard(reading, has_keys=True), []
+    for piece in pieces:
+        os.write(writing, piece)
+        orders += keys.orders()
+    os.close(reading)
+    os.close(writing)
+    return orders, keys.typed()
+
+
+def test_law_a_key_is_an_order_and_no_other_key_lets_a_force_come() -> None:
+    keys = [b"p", b" ", b"w", b"s", b"c", b"r", b"x", b"C", b"q"]
+    assert typed(*keys)[0] == ["pause", "pause", "withdraw", "stop", "consent", "resume", "clear", "consent"]
+    # arrows, F1 to F4, Home, Delete, and a sequence in two pieces
+    for sequence in (
+        b"\x1b[A",
+        b"\x1b[C",
+        b"\x1bOC",
+        b"\x1bOP",
+        b"\x1bOR",
+        b"\x1bOS",
+        b"\x1b[1;5C",
+        b"\x1b[3~",
+    ):
+        assert typed(sequence)[0] == [], sequence
+        assert typed(sequence[:1], sequence[1:])[0] == [], sequence
+    # a pasted text may stop a force, never let one come
+    assert typed(b"scarce")[0] == ["stop"]
+    assert typed(b"accept")[0] == ["pause"]
+
+
+def test_law_a_marker_is_typed_up_to_enter_or_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert typed(b"m", b"trial 7\n", b"p") == (["mark trial 7", "pause"], None)
+    assert typed(b"m", b"no", b"\x7f", b"te C", b"s") == ([], "nte Cs")
+    assert typed(b"mtrial 7", b"\x1b", b"p") == (["pause"], None)
+    assert typed(b"m", b"  \n", b"s") == (["stop"], None)
+    orders, text = typed(b"m", 50 * "ä".encode() + 300 * b"x")
+    assert (orders, text) == ([], 80 * "x")
+    now = [100.0]
+    monkeypatch.setattr("telespring.cli.keyboard.time.monotonic", lambda: now[0])
+    reading, writing = os.pipe()
+    keys = Keyboard(reading, has_keys=True)
+    for piece, time_of_it in ((b"m", 100.0), (b"t", 114.0), (b"p", 130.0)):
+        now[0] = time_of_it
+        os.write(writing, piece)
+        orders = keys.orders()
+    # nobody went on typing: the key is an order again
+    assert (orders, keys.typed()) == (["pause"], None)
+    os.close(reading)
+    os.close(writing)
+
+
+def test_law_the_last_line_of_an_input_is_an_order_without_its_end() -> None:
+    reading, writing = os.pipe()
+    os.write(writing, b"mark trial 1\nconsent")
+    os.close(writing)
+    lines = Keyboard(reading, has_keys=False)
+    assert lines.orders() == ["mark trial 1"]
+    assert lines.orders() == ["consent"]
+    assert lines.file is None
+    os.close(reading)
 
 
 def test_law_whatever_the_program_says_the_screen_stays_whole(fake: Callable[..., Any]) -> None:
@@ -376,6 +494,21 @@ def test_law_a_program_that_is_left_behind_is_ended(fake: Callable[..., Any], tm
         while not running.read(0.1)[0]:
             pass
     assert note.read_text() == "stop-requested 1\n"
+
+
+def test_law_no_order_is_lost_or_cut_while_the_program_does_not_listen(fake: Callable[..., Any]) -> None:
+    fake(seconds=600.0, deaf=0.5)
+    heard: list[str] = []
+    with RunningProgram(find_program(), ["run"]) as running:
+        # more than a pipe holds
+        for number in range(1500):
+            running.order(f"mark note {number} {60 * 'x'}")
+        running.order("stop")
+        end = time.monotonic() + 60.0
+        while "order-stop" not in heard and time.monotonic() < end:
+            lines, _ = running.read(0.1)
+            heard += [str(line["event"]) for line in lines if str(line.get("event")).startswith("order-")]
+    assert heard == [*(f"order-mark note {number} {60 * 'x'}" for number in range(1500)), "order-stop"]
 
 
 @pytest.fixture

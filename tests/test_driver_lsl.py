@@ -74,6 +74,33 @@ def test_law_the_places_are_those_of_the_page() -> None:
     assert f"{ROW.size // 8} little-endian doubles (IEEE 754), 8 bytes each, {ROW.size} bytes" in page
 
 
+def test_cross_a_row_of_the_program_is_read_place_by_place() -> None:
+    """The program's own test writes this row: names and bytes, place by place."""
+    lines = (ROOT / "tests" / "telemetry_row.txt").read_text(encoding="ascii").splitlines()
+    written = [re.fullmatch(r"(\d+) (.+): ([0-9a-f]{16})", line) for line in lines]
+    assert [int(each[1]) for each in written if each] == list(range(ROW.size // 8))
+    names = [each[2] for each in written if each]
+    assert names == [*(name for name, _ in COLUMNS), *["not used"] * (len(names) - len(COLUMNS))]
+    read = decode(bytes.fromhex("".join(each[3] for each in written if each)))
+    assert read is not None
+    for name, value in {
+        "side": 2.0,
+        "time": 2.5,
+        "position y": 2.0,
+        "partner velocity x": 15.0,
+        "force y": 10.0,
+        "stiffness in use": 17.0,
+        "balance": 11.0,
+        "lateness": 0.00025,
+        "interval": 0.002,
+        "missed": 3.0,
+    }.items():
+        assert read[PLACE[name]] == value, name
+    assert word(PHASES, read[PLACE["phase"]]) == "running"
+    assert word(WATCHDOGS, read[PLACE["watchdog"]]) == "engaged"
+    assert math.isnan(read[PLACE["marker"]])
+
+
 def test_law_what_is_no_row_is_refused() -> None:
     good = row(1.0)
     packed = ROW.pack(*good)
@@ -192,7 +219,28 @@ def test_law_a_marker_is_an_event() -> None:
     bridge.take([row(1.0)], offset=5.0)
     bridge.mark([mark], offset=5.0)
     assert kept.events[-1] == (7.500000001, "mark trial 7 with eyes closed")
-    assert [event for _, event in kept.events].count("mark trial 7 with eyes closed") == 1
+    # the one before the first row has waited for it
+    assert [event for _, event in kept.events].count("mark trial 7 with eyes closed") == 2
+    # while nobody sends rows they take no memory
+    late = Kept(Stream(2, 500.0))
+    bridge = Bridge(lambda _stream: late)
+    bridge.mark([mark] * 1000, offset=0.0)
+    bridge.take([row(1.0)], offset=0.0)
+    assert sum(event.startswith("mark ") for _, event in late.events) == 64
+
+
+def test_law_two_sides_on_one_port_keep_their_outlets() -> None:
+    kept: list[Kept] = []
+
+    def open_outlets(stream: Stream) -> Kept:
+        kept.append(Kept(stream))
+        return kept[-1]
+
+    bridge = Bridge(open_outlets)
+    for number in range(1, 20):
+        bridge.take([row(float(number)), row(float(number), side=1.0)], offset=0.0)
+    assert [(each.stream.side, len(each.samples)) for each in kept] == [(2, 19), (1, 19)]
+    assert [event for _, event in kept[0].events] == ["session", "phase connecting"]
 
 
 READER = """

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import struct
 import subprocess
 import sys
@@ -14,7 +15,7 @@ import xarray as xr
 from typer.testing import CliRunner
 
 import telespring as ts
-from made_recording import STUDY, MadeSession, SiteFile, message
+from made_recording import FIELDS, STUDY, MadeSession, SiteFile, message
 from telespring.cli import app
 
 # Recordings make it of what the sites know of each other's clock; here the true clocks are known.
@@ -78,6 +79,16 @@ def test_law_a_recording_has_what_the_loop_saw(made: MadeSession, files: tuple[P
     assert np.array_equal(packets["motion"][:, :2], made.position(2, times)[sent])
     assert np.array_equal(packets["sent"], made.clock(2, times)[sent])
     assert side.partner_sessions == ("0x0000000000002222",)
+
+
+def test_law_made_recordings_have_the_fields_of_the_page(root: Path) -> None:
+    page = (root / "docs" / "recording.md").read_text(encoding="utf-8")
+    for full, text in FIELDS.items():
+        section = page.split(f"### `/siteSIDE/{full.split('.')[0]}`\n", 1)[1].split("\n###", 1)[0]
+        kinds = "uint64|sint64|double|bool|string|bytes|Pair|HandleMotion"
+        cells = re.findall(rf"^\| (`[^|]*) \| (?:{kinds}) \|", section, re.MULTILINE)
+        named = [name for cell in cells for name in re.findall(r"`(\w+)`", cell)]
+        assert sorted(named) == sorted(field.partition(":")[0].rstrip("?") for field in text.split())
 
 
 def test_law_a_session_has_the_words_of_a_rehearsal(files: tuple[Path, Path]) -> None:

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import dataclasses
+import io
 import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from rich.console import Console, RenderableType
 from typer.testing import CliRunner, Result
 
 import telespring as ts
-from made_session import SESSIONS, TRAVEL, made_session, write_recording
+from made_session import SESSIONS, TRAVEL, made_session, with_forces, write_recording
 from telespring import cli
 from telespring.replays.networks import rehearsal_study, session_traces, write_traces
+from telespring.replays.reading import site_recording
+from telespring.show.screens.replay import replay_screen
 
 Pair = tuple[ts.SiteRecording, ts.SiteRecording]
 
@@ -24,20 +28,17 @@ def session() -> Pair:
     return with_forces(made_session())
 
 
-def with_forces(pair: Pair) -> Pair:
-    """Give a made session the forces that its own settings gave."""
-    found = ts.replay(*pair)
-    one, two = (
-        dataclasses.replace(side.recording, wanted=side.own.wanted, force=side.own.force)
-        for side in found.sides
-    )
-    return one, two
-
-
 def run(arguments: list[str], status: int = 0) -> Result:
     done = CliRunner(env={"COLUMNS": "120", "NO_COLOR": "1"}).invoke(cli.app, ["replay", *arguments])
     assert done.exit_code == status, done.output
     return done
+
+
+def shown(screen: RenderableType) -> str:
+    console = Console(width=120, file=io.StringIO())
+    with console.capture() as captured:
+        console.print(screen)
+    return " ".join(captured.get().split())
 
 
 def sizes(force: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -173,20 +174,44 @@ def test_cross_a_recorded_session_reproduces_itself(session: Pair, files: tuple[
     assert np.array_equal(softer.sides[0].replayed.force, 0.5 * session[0].force)
 
 
-def test_cross_a_recorded_live_session_reproduces_itself(root: Path) -> None:
-    # The endpoint computes as it did when this session was recorded. Where it is meant to compute
-    # differently, record it anew.
-    found = ts.replay(root / "examples/session.mcap")
-    assert found.is_reproduced
-    assert [side.numbers.force_rms > 0.1 for side in found.sides] == [True, True]
-    assert all(side.replayed.renewed == len(side.recording.arrival_time) > 500 for side in found.sides)
-    # the reader finds what the replay computes
-    recording = ts.read_recording(root / "examples/session.mcap")
-    for side in found.sides:
-        ticks = recording.sides[side.side].ticks
-        is_used = ticks.present["age"] & side.is_coupled
-        assert np.array_equal(ticks.columns["age"][is_used], side.own.age[is_used])
-        assert np.array_equal(ticks.columns["energy_given_out"], side.own.given_out)
+def test_law_the_share_and_the_limits_of_a_site_are_those_of_its_file(
+    files: tuple[Path, Path], session: Pair
+) -> None:
+    (side,) = ts.read_recording(files[0]).sides.values()
+    metadata = {**side.metadata, "safety": side.metadata["safety"] | {"rise": "40", "scale": "0.3"}}
+    metadata["safety"]["lock_y"] = "true"
+    share = np.linspace(0.0, 1.0, len(side.ticks))
+    ticks = dataclasses.replace(side.ticks, columns={**side.ticks.columns, "share": share})
+    site = site_recording(dataclasses.replace(side, metadata=metadata, ticks=ticks))
+    assert np.array_equal(site.share, np.column_stack([share * 0.3, 0.0 * share]))
+    assert (site.largest_force, site.steepest_rise) == (20.0, 40.0)
+    found = ts.replay(site, session[1], stiffness=150.0)
+    force = sizes(found.sides[0].replayed.force)
+    assert np.diff(force).max() <= 40.0 * 0.002 + 1e-9
+    assert (found.sides[0].replayed.force[:, 1] == 0.0).all()
+    # a file without them is of another release
+    for key in ("rise", "scale", "force"):
+        safety = {name: text for name, text in side.metadata["safety"].items() if name != key}
+        with pytest.raises(ts.InvalidInput, match=f"safety.{key}"):
+            site_recording(dataclasses.replace(side, metadata={**side.metadata, "safety": safety}))
+    columns = {name: column for name, column in side.ticks.columns.items() if name != "share"}
+    with pytest.raises(ts.InvalidInput, match="without a share"):
+        site_recording(dataclasses.replace(side, ticks=dataclasses.replace(side.ticks, columns=columns)))
+
+
+def test_law_a_replay_says_what_of_the_device_it_does_not_know(files: tuple[Path, Path]) -> None:
+    """A device that lags told its force: under other settings nobody knows what it would have told."""
+    sites = [site_recording(side) for path in files for side in ts.read_recording(path).sides.values()]
+    assert not any(site.has_measured_force for site in sites)
+    sites[1] = dataclasses.replace(sites[1], has_measured_force=True)
+    own, other = ts.replay(*sites), ts.replay(*sites, stiffness=30.0)
+    assert [own.acted_force, other.acted_force] == ["as recorded", "as commanded"]
+    assert other.to_dict()["acted_force"] == "as commanded"
+    assert [side["device_measured_force"] for side in other.to_dict()["sides"]] == [False, True]
+    said = [shown(replay_screen(found, "session")) for found in (own, other)]
+    assert "device" not in said[0]
+    assert "what a device would have made of it (a lag, a limit of its own) is not replayed." in said[1]
+    assert "The device of site 2 measured it in the session." in said[1]
 
 
 def test_law_a_recording_cut_off_reproduces_what_is_left(files: tuple[Path, Path], tmp_path: Path) -> None:

@@ -15,6 +15,7 @@ from telespring import cli
 from telespring.rehearsal.preflight import TraceWarning, preflight_warnings
 from telespring.rehearsal.traces import read_traces
 from telespring.show.screens.rehearsal import preflight_sentence
+from telespring.traces.silences import find_silences
 
 ONE_AXIS = """
 robot1 = {mass = [1.2], damping = [6.0], axes = ["x"]}
@@ -304,6 +305,16 @@ def test_law_silences_are_those_of_a_session_over_the_recording() -> None:
     # a step of the sender that is a pause tells nothing of the network
     paused = ts.Trace(np.concatenate([time[:1500], time[1500:] + 20.0]), np.full(3000, 0.02))
     assert ts.assess_trace(paused).ways[0].silences.count == 0
+
+
+def test_law_a_network_that_is_gone_at_an_end_of_the_recording_is_silent_there() -> None:
+    time = 0.01 * np.arange(2000)
+    # every packet takes 0.3 s: those that came before 15 s keep the first silence shorter
+    for gone, longest in ((time >= 15.0, 4.7), (time < 2.0, 2.0), (time < 0.0, 0.01)):
+        found = find_silences(ts.Trace(time, np.where(gone, np.nan, 0.3)), 0.01)
+        assert found.count == (longest > 0.15)
+        assert found.longest == pytest.approx(longest, abs=0.02)
+        assert found.share == pytest.approx(max(0.0, longest - 0.15) / 20.0, abs=0.001)
 
 
 def test_law_a_recorded_silence_is_on_the_screen_and_in_json(tmp_path: Path) -> None:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 from drivers.telemetry import COLUMNS, PHASES, PLACE, WATCHDOGS, Mark, Row, word
 
 FIRST = PLACE["phase"]  # the places before it are in the stream's name, or its time stamps
 CHANNELS = COLUMNS[FIRST:]
+MOST_EARLY = 64  # markers that wait for the first row
 
 
 class Outlets(Protocol):
@@ -45,52 +46,69 @@ class _Seen:
     missed: float = 0.0
 
 
+@dataclass
+class _Side:
+    """A side, and what was seen of it."""
+
+    stream: Stream
+    outlets: Outlets
+    seen: _Seen = field(default_factory=_Seen)
+    samples: list[list[float]] = field(default_factory=list)
+    stamps: list[float] = field(default_factory=list)
+
+    def flush(self) -> None:
+        if self.samples:
+            self.outlets.push_samples(self.samples[:], self.stamps[:])
+        self.samples.clear()
+        self.stamps.clear()
+
+
 class Bridge:
-    """From rows to outlets. The outlets open with the first row, and anew if side or rate change."""
+    """From rows to outlets. Those of a side open with its first row, and anew if its rate changes."""
 
     def __init__(self, open_outlets: Callable[[Stream], Outlets]) -> None:
         self._open = open_outlets
-        self._stream: Stream | None = None
-        self._outlets: Outlets | None = None
-        self._seen = _Seen()
+        self._sides: dict[int, _Side] = {}
+        # the earliest markers, which a program sets before its first row
+        self._early: list[Mark] = []
 
     def take(self, rows: Iterable[Row], offset: float) -> None:
         """Hand rows on; `offset` is the clock of LSL less the monotonic clock, s."""
-        samples: list[list[float]] = []
-        stamps: list[float] = []
         for row in rows:
             stream = Stream(int(row[PLACE["side"]]), round(1.0 / row[PLACE["interval"]], 6))
-            if stream != self._stream or self._outlets is None:
-                self._flush(samples, stamps)
-                self._stream, self._outlets = stream, self._open(stream)
-                self._seen = _Seen()
+            side = self._sides.get(stream.side)
+            if side is None or side.stream != stream:
+                if side is not None:
+                    side.flush()
+                side = self._sides[stream.side] = _Side(stream, self._open(stream))
             stamp = row[PLACE["time"]] + offset
-            for event in self._events(row):
-                self._outlets.push_event(event, stamp)
-            samples.append(list(row[FIRST : len(COLUMNS)]))
-            stamps.append(stamp)
-        self._flush(samples, stamps)
+            for event in self._events(side, row):
+                side.outlets.push_event(event, stamp)
+            side.samples.append(list(row[FIRST : len(COLUMNS)]))
+            side.stamps.append(stamp)
+        for side in self._sides.values():
+            side.flush()
+        if self._sides:
+            early, self._early = self._early, []
+            self.mark(early, offset)
 
     def mark(self, marks: Iterable[Mark], offset: float) -> None:
-        """Hand markers on; those before the first row have nowhere to go."""
+        """Hand markers on to every side; those before the first row wait for it."""
         for mark in marks:
-            if self._outlets is not None:
-                self._outlets.push_event(f"mark {mark.text}", mark.time + offset)
+            if not self._sides and len(self._early) < MOST_EARLY:
+                self._early.append(mark)
+            for side in self._sides.values():
+                side.outlets.push_event(f"mark {mark.text}", mark.time + offset)
 
-    def _flush(self, samples: list[list[float]], stamps: list[float]) -> None:
-        if samples and self._outlets is not None:
-            self._outlets.push_samples(samples[:], stamps[:])
-        samples.clear()
-        stamps.clear()
-
-    def _events(self, row: Row) -> list[str]:
+    @staticmethod
+    def _events(side: _Side, row: Row) -> list[str]:
         """Return what is new in a row, in words."""
         events, sequence = [], row[PLACE["sequence"]]
-        if sequence <= self._seen.sequence:
-            self._seen = _Seen()
+        if sequence <= side.seen.sequence:
+            side.seen = _Seen()
             events.append("session")
-        seen, self._seen = (
-            self._seen,
+        seen, side.seen = (
+            side.seen,
             _Seen(
                 sequence,
                 word(PHASES, row[PLACE["phase"]]),
@@ -99,7 +117,7 @@ class Bridge:
                 row[PLACE["missed"]],
             ),
         )
-        now = self._seen
+        now = side.seen
         for name, before, after in (
             ("phase", seen.phase, now.phase),
             ("watchdog", seen.watchdog, now.watchdog),

@@ -1598,6 +1598,7 @@ def replay_site(
     session: int,
     acted_as_recorded: bool,
     largest_force: float,
+    steepest_rise: float,
     silence: float,
     stall: float,
 ) -> ReplayedSite: ...
@@ -1607,6 +1608,7 @@ def replay_pair(
     sessions: tuple[int, int],
     acted_as_recorded: bool,
     largest_force: tuple[float, float],
+    steepest_rise: tuple[float, float],
     silence: tuple[float, float],
     stall: tuple[float, float],
 ) -> tuple[ReplayedSite, ReplayedSite]: ...

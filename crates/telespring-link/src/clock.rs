@@ -2,12 +2,17 @@
 
 use rustix::thread::clock_nanosleep_absolute;
 use rustix::time::{ClockId, Timespec, clock_gettime};
-use telespring::session::LocalTime;
+use telespring::session::{LocalTime, Span};
 
 /// A clock that never goes backwards.
 pub trait Clock {
     /// The time now.
     fn now(&self) -> LocalTime;
+
+    /// How long the machine has been suspended so far, at least: this clock stands still meanwhile.
+    fn suspended(&self) -> Span {
+        Span(0)
+    }
 }
 
 /// The monotonic clock of the machine: setting the date does not move it. All processes of a machine share it.
@@ -16,9 +21,18 @@ pub struct MonotonicClock;
 
 impl Clock for MonotonicClock {
     fn now(&self) -> LocalTime {
-        let Timespec { tv_sec, tv_nsec } = clock_gettime(ClockId::Monotonic);
-        LocalTime(tv_sec.unsigned_abs() * 1_000_000_000 + tv_nsec.unsigned_abs())
+        read(ClockId::Monotonic)
     }
+
+    fn suspended(&self) -> Span {
+        // in this order: what passes between the two makes it less, never more
+        read(ClockId::Boottime) - self.now()
+    }
+}
+
+fn read(clock: ClockId) -> LocalTime {
+    let Timespec { tv_sec, tv_nsec } = clock_gettime(clock);
+    LocalTime(tv_sec.unsigned_abs() * 1_000_000_000 + tv_nsec.unsigned_abs())
 }
 
 impl MonotonicClock {

@@ -25,6 +25,12 @@ use crate::site::{Safety, SiteSettings};
 use crate::summary::{SCHEMA, Summary};
 use crate::transport::{Emulated, Udp};
 
+/// The paper's two robots, H-MANs, as a study writes them.
+pub const ROBOTS: &str = "\
+robot1 = {axes = [\"x\", \"y\"], mass = [0.8334, 1.0649], damping = [7.7257, 10.1168]}
+robot2 = {axes = [\"x\", \"y\"], mass = [0.7776, 1.3407], damping = [7.4208, 9.3496]}
+";
+
 /// What a demonstration shows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Demo {
@@ -117,9 +123,7 @@ impl Demo {
         let playout = imposed_delay
             .map_or("\"adaptive\"".to_owned(), |delay| format!("{{kind = \"fixed\", delay = {delay}}}"));
         Study::from_toml(&format!(
-            "name = \"Demonstration\"\n\
-             robot1 = {{axes = [\"x\", \"y\"], mass = [0.8334, 1.0649], damping = [7.7257, 10.1168]}}\n\
-             robot2 = {{axes = [\"x\", \"y\"], mass = [0.7776, 1.3407], damping = [7.4208, 9.3496]}}\n\
+            "name = \"Demonstration\"\n{ROBOTS}\
              coupling.stiffness = {stiffness}\n\
              network = {{delay = {delay}, jitter = {jitter}, loss = {loss}}}\n\
              session = {{strategy = \"{strategy}\", playout = {playout}}}\n"

@@ -3,8 +3,8 @@
 //! Each [`Observer`] has a queue and a thread of its own. One that falls behind misses items and is told how many; the loop
 //! never waits for it.
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, OnceLock};
 use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant};
 
@@ -93,8 +93,9 @@ impl Feed {
 /// The threads of the observers.
 #[derive(Debug)]
 pub struct Observers {
-    threads: Vec<JoinHandle<Box<dyn Observer>>>,
-    is_over: Arc<AtomicBool>,
+    threads: Vec<JoinHandle<()>>,
+    /// Set once the session is over.
+    summary: Arc<OnceLock<Summary>>,
 }
 
 impl std::fmt::Debug for dyn Observer {
@@ -110,24 +111,25 @@ impl std::fmt::Debug for dyn Observer {
 ///
 /// That of the operating system if it gives no thread.
 pub fn start(observers: Vec<Box<dyn Observer>>) -> std::io::Result<(Feed, Observers)> {
-    let is_over = Arc::new(AtomicBool::new(false));
+    let summary = Arc::new(OnceLock::new());
     let (mut queues, mut threads) = (Vec::new(), Vec::new());
     for observer in observers {
         let (items, consumer) = RingBuffer::new(CAPACITY);
         let missed = Arc::default();
         queues.push(Queue { items, missed: Arc::clone(&missed) });
-        let is_over = Arc::clone(&is_over);
+        let summary = Arc::clone(&summary);
         let thread = Builder::new().name(observer.name().to_owned());
-        threads.push(thread.spawn(move || watch(observer, consumer, &missed, &is_over))?);
+        threads.push(thread.spawn(move || watch(observer, consumer, &missed, &summary))?);
     }
-    Ok((Feed { queues }, Observers { threads, is_over }))
+    Ok((Feed { queues }, Observers { threads, summary }))
 }
 
 impl Observers {
-    /// Lets every observer see what is still in its queue and finish. One that cannot go on is left behind after 10 s; returns
-    /// the names of those, and of those that have broken off.
+    /// Lets every observer see what is still in its queue and finish, on its own thread: the caller's may have a real-time
+    /// priority. One that cannot go on is left behind after 10 s; returns the names of those, and of those that have broken off.
     pub fn finish(self, summary: &Summary) -> Vec<String> {
-        self.is_over.store(true, Ordering::Release);
+        // nobody else sets it
+        let _ = self.summary.set(summary.clone());
         let end = Instant::now() + PATIENCE;
         let mut unfinished = Vec::new();
         for thread in self.threads {
@@ -135,8 +137,7 @@ impl Observers {
             while !thread.is_finished() && Instant::now() < end {
                 std::thread::sleep(REST);
             }
-            let observer = if thread.is_finished() { thread.join().ok() } else { None };
-            if !observer.is_some_and(|observer| conclude(observer, summary.clone(), end)) {
+            if !(thread.is_finished() && thread.join().is_ok()) {
                 unfinished.push(name);
             }
         }
@@ -144,26 +145,16 @@ impl Observers {
     }
 }
 
-/// Lets an observer finish, but waits for it until `end` only; returns whether it has.
-fn conclude(mut observer: Box<dyn Observer>, summary: Summary, end: Instant) -> bool {
-    let name = observer.name().to_owned();
-    let Ok(thread) = Builder::new().name(name).spawn(move || observer.finish(&summary)) else { return false };
-    while !thread.is_finished() && Instant::now() < end {
-        std::thread::sleep(Duration::from_millis(1));
-    }
-    thread.is_finished() && thread.join().is_ok()
-}
-
 /// The thread of an observer.
 fn watch(
     mut observer: Box<dyn Observer>,
     mut items: Consumer<Item>,
     missed: &AtomicU64,
-    is_over: &AtomicBool,
-) -> Box<dyn Observer> {
+    summary: &OnceLock<Summary>,
+) {
     loop {
         // read before the queue: what was published before the end is still seen
-        let ends = is_over.load(Ordering::Acquire);
+        let summary = summary.get();
         while let Ok(item) = items.pop() {
             observer.take(&item);
         }
@@ -171,8 +162,8 @@ fn watch(
             0 => {}
             count => observer.miss(count),
         }
-        if ends {
-            return observer;
+        if let Some(summary) = summary {
+            return observer.finish(summary);
         }
         observer.rest();
         std::thread::sleep(REST);
@@ -181,15 +172,32 @@ fn watch(
 
 #[cfg(test)]
 mod tests {
+    use std::net::UdpSocket;
     use std::sync::Mutex;
     use std::sync::mpsc::{Receiver, channel};
+    use std::thread::ThreadId;
+
+    use telespring::study::Study;
 
     use super::*;
+    use crate::device::Simulated;
+    use crate::real_time::{Pace, Privileges};
+    use crate::site::{Safety, Site, SiteSettings};
+    use crate::transport::Udp;
 
-    /// Keeps the times of the events that it sees; while `gate` is held it stands still.
+    /// What an observer saw: the times of the events, how many it missed, and the threads that called it.
+    #[derive(Debug, Default)]
+    struct Seen {
+        times: Vec<u64>,
+        missed: u64,
+        threads: Vec<ThreadId>,
+        is_finished: bool,
+    }
+
+    /// Keeps what it sees; while `gate` is held it stands still.
     struct Slow {
         gate: Arc<Mutex<()>>,
-        seen: Arc<Mutex<(Vec<u64>, u64)>>,
+        seen: Arc<Mutex<Seen>>,
     }
 
     impl Observer for Slow {
@@ -199,13 +207,21 @@ mod tests {
 
         fn take(&mut self, item: &Item) {
             let _open = self.gate.lock().unwrap();
+            let mut seen = self.seen.lock().unwrap();
+            seen.threads.push(std::thread::current().id());
             if let Item::Event { time, .. } = item {
-                self.seen.lock().unwrap().0.push(time.0);
+                seen.times.push(time.0);
             }
         }
 
         fn miss(&mut self, count: u64) {
-            self.seen.lock().unwrap().1 += count;
+            self.seen.lock().unwrap().missed += count;
+        }
+
+        fn finish(&mut self, _: &Summary) {
+            let mut seen = self.seen.lock().unwrap();
+            seen.threads.push(std::thread::current().id());
+            seen.is_finished = true;
         }
     }
 
@@ -226,9 +242,21 @@ mod tests {
         Item::Event { time: LocalTime(time), happened: Happened::Restored }
     }
 
+    /// That of a session without a tick.
+    fn summary() -> Summary {
+        let study = Study::paper();
+        let settings = SiteSettings::new(&study, 1, 1, Safety::default()).unwrap();
+        let device = Simulated::new(&study.laboratory().unwrap(), 0, 1).unwrap();
+        let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
+        let there = socket.local_addr().unwrap();
+        let site = Site::new(settings.simulated(), device, Udp::on(socket, there).unwrap()).unwrap();
+        let nothing = Privileges { priority: None, locked_memory: None, awake: None };
+        Summary::new(1, &site, &Pace::new(Span(1_000_000)).lateness(), &nothing)
+    }
+
     #[test]
     fn law_what_finds_no_room_is_counted_and_nobody_waits() {
-        let (gate, seen) = (Arc::new(Mutex::new(())), Arc::new(Mutex::new((Vec::new(), 0))));
+        let (gate, seen) = (Arc::new(Mutex::new(())), Arc::new(Mutex::new(Seen::default())));
         let slow = Slow { gate: Arc::clone(&gate), seen: Arc::clone(&seen) };
         let (mut feed, observers) = start(vec![Box::new(slow)]).unwrap();
         let count = 3 * CAPACITY as u64;
@@ -236,29 +264,30 @@ mod tests {
             let _closed = gate.lock().unwrap();
             (0..count).for_each(|time| feed.publish(event(time)));
         }
-        observers.is_over.store(true, Ordering::Release);
-        let mut observers = observers;
-        observers.threads.drain(..).for_each(|thread| drop(thread.join().unwrap()));
-        let (times, missed) = std::mem::take(&mut *seen.lock().unwrap());
+        assert!(observers.finish(&summary()).is_empty());
+        let Seen { times, missed, threads, is_finished } = std::mem::take(&mut *seen.lock().unwrap());
         assert_eq!(times.len() as u64 + missed, count);
         // the oldest come first, in their order, and at most one more than the queue holds
         assert!((CAPACITY..=CAPACITY + 1).contains(&times.len()), "{}", times.len());
         assert!(times.iter().copied().eq(0..times.len() as u64));
+        // all of it on a thread of its own, the end included: that of the loop has a real-time priority
+        assert!(is_finished && threads.iter().all(|thread| *thread == threads[0]));
+        assert_ne!(threads[0], std::thread::current().id());
     }
 
     #[test]
     fn law_a_stuck_observer_keeps_nothing_from_the_others() {
         let (release, stuck) = channel();
-        let seen = Arc::new(Mutex::new((Vec::new(), 0)));
+        let seen = Arc::new(Mutex::new(Seen::default()));
         let slow = Slow { gate: Arc::default(), seen: Arc::clone(&seen) };
         let (mut feed, observers) = start(vec![Box::new(Stuck(stuck)), Box::new(slow)]).unwrap();
         (0..100).for_each(|time| feed.publish(event(time)));
-        while seen.lock().unwrap().0.len() < 100 {
+        while seen.lock().unwrap().times.len() < 100 {
             std::thread::sleep(REST);
         }
         assert!(!observers.threads[0].is_finished());
         drop(release);
-        observers.is_over.store(true, Ordering::Release);
-        observers.threads.into_iter().for_each(|thread| drop(thread.join().unwrap()));
+        assert!(observers.finish(&summary()).is_empty());
+        assert!(seen.lock().unwrap().is_finished);
     }
 }

@@ -37,7 +37,7 @@ fn live(study: &Study) -> Vec<[Moment; 2]> {
     let laboratory = study.laboratory().unwrap();
     let delay = study.network().unwrap().delay();
     let ends = wire((Span::from_seconds(delay.forward()) - PERIOD).max(Span(0)));
-    let clock = VirtualClock(Rc::new(Cell::new(9_000_000_000)));
+    let clock = VirtualClock(Rc::new(Cell::new(9_000_000_000)), Rc::default());
     let mut sites = [0, 1].map(|side| {
         let number = u8::try_from(side).unwrap() + 1;
         let settings = SiteSettings::new(study, number, 21 + side as u64, Safety::default()).unwrap();

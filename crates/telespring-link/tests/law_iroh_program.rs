@@ -1,5 +1,7 @@
 //! Two programs over iroh on this machine, as people start them: keys, a session, a partner that dies and comes again.
 
+mod sites;
+
 use std::fs;
 use std::net::UdpSocket;
 use std::os::unix::fs::PermissionsExt;
@@ -8,6 +10,7 @@ use std::process::{Child, Command, Output, Stdio};
 use std::time::Duration;
 
 use serde_json::Value;
+use sites::over_iroh;
 
 fn program() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_telespring-link"));
@@ -52,16 +55,9 @@ fn write_sites(folder: &Path, ids: &[String; 2]) -> [PathBuf; 2] {
     let addresses = sockets.map(|socket| socket.local_addr().unwrap());
     [0, 1].map(|side: usize| {
         let path = folder.join(format!("site-{}.toml", side + 1));
-        let text = format!(
-            "study = \"connect.toml\"\nside = {}\n[network]\ntransport = \"iroh\"\nkey = \"{}.key\"\npeer_id = \"{}\"\n\
-             local = \"{}\"\npeer = [\"{}\"]\n[safety]\nstall = 0.5\n",
-            side + 1,
-            side + 1,
-            ids[1 - side],
-            addresses[side],
-            addresses[1 - side]
-        );
-        fs::write(&path, text).unwrap();
+        let (here, there) = (addresses[side], addresses[1 - side]);
+        let text = over_iroh("connect.toml", side + 1, &ids[1 - side], here, there);
+        fs::write(&path, text + "[safety]\nstall = 0.5\n").unwrap();
         path
     })
 }

@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use telespring::session::{Span, WatchdogState};
 use telespring::study::Study;
 use telespring_link::conduct::{Plan, conduct};
+use telespring_link::demo::ROBOTS;
 use telespring_link::device::Simulated;
 use telespring_link::hello::draw_session;
 use telespring_link::real_time::Limits;
@@ -23,9 +24,7 @@ const PATIENT: Span = Span(100_000_000);
 
 fn study(stiffness: f64) -> Study {
     Study::from_toml(&format!(
-        "robot1 = {{axes = [\"x\", \"y\"], mass = [0.8334, 1.0649], damping = [7.7257, 10.1168]}}\n\
-         robot2 = {{axes = [\"x\", \"y\"], mass = [0.7776, 1.3407], damping = [7.4208, 9.3496]}}\n\
-         coupling.stiffness = {stiffness}\nnetwork = {{delay = 0.02, jitter = 0.004, loss = 0.02}}\n\
+        "{ROBOTS}coupling.stiffness = {stiffness}\nnetwork = {{delay = 0.02, jitter = 0.004, loss = 0.02}}\n\
          session = {{strategy = \"guard\", playout = \"adaptive\"}}"
     ))
     .unwrap()

@@ -89,6 +89,37 @@ fn law_both_sides_of_a_session_are_recorded_whole() {
 }
 
 #[test]
+fn law_markers_of_the_command_line_are_in_the_record() {
+    let folder = folder("marked");
+    let marks = ["--trial", "7, eyes closed", "--condition", " 142 N/m", "--participant", "P-07"];
+    for console in [&[][..], &["--console"]] {
+        let output =
+            record(&folder, "0.5", &[&marks[..], console].concat()).stdin(Stdio::null()).output().unwrap();
+        // whether it came to a session in this time or not
+        assert!([Some(0), Some(1)].contains(&output.status.code()), "{output:?}");
+    }
+    let files = files(&folder);
+    assert_eq!(files.len(), 4);
+    for path in files {
+        let side = if path.to_str().unwrap().contains("-site1-") { 1 } else { 2 };
+        let mut marks = read(&fs::read(&path).unwrap()).events(side);
+        marks.retain(|(event, _)| event == "mark");
+        let expected = ["participant P-07", "condition 142 N/m", "trial 7, eyes closed"];
+        assert_eq!(marks, expected.map(|text| ("mark".to_owned(), Some(text.to_owned()))), "{path:?}");
+    }
+    for (option, text, said) in [
+        ("--participant", "Anna", "--participant = Anna"),
+        ("--condition", "für", "--condition = für"),
+        ("--trial", " ", "--trial"),
+    ] {
+        let output = program().args(["demo", option, text]).output().unwrap();
+        assert_eq!(output.status.code(), Some(2), "{output:?}");
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert!(message.contains(said), "{message}");
+    }
+}
+
+#[test]
 fn law_what_is_older_than_half_a_second_outlives_a_kill() {
     let folder = folder("killed");
     let mut child = record(&folder, "60", &[]).spawn().unwrap();

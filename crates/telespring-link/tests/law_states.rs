@@ -3,9 +3,11 @@
 mod common;
 
 use common::{Pair, hman_study};
-use telespring::session::{Span, WatchdogState};
+use telespring::session::watchdog::Cause;
+use telespring::session::{EventKind, Span, WatchdogState};
 use telespring::study::Study;
 use telespring_link::device::Fault;
+use telespring_link::hello::MAGIC;
 use telespring_link::operator::{Mark, MarkKind, Order};
 use telespring_link::site::{Happened, Interruption, Limit, Limits, Phase, Rules, SiteSettings};
 
@@ -492,5 +494,203 @@ fn law_the_watchdog_and_the_phase_agree() {
         assert_eq!(moment.phase == Phase::Running, moment.state == WatchdogState::Engaged, "{moment:?}");
     });
     assert_eq!(seen, [Phase::Consenting, Phase::RampingIn, Phase::Running]);
-    let _ = Span(0);
+}
+
+#[test]
+fn law_a_handle_that_moves_too_fast_is_seen_whatever_velocity_the_device_reports() {
+    // a device that reports no velocity, or a sensor that jumps
+    for (steps, way, is_let_go) in [(100, 3e-3, true), (1, 0.05, true), (100, 1.8e-3, false)] {
+        let mut pair = Pair::new([&study(), &study()], 0.02);
+        pair.run(1500, |_, _| {});
+        assert_eq!(pair.phases(), [Phase::Running; 2]);
+        for _ in 0..steps {
+            pair.devices[0].change(|script| script.position[1] += way);
+            pair.tick();
+        }
+        pair.run(15, |_, _| {});
+        let is_told = pair.happened(0, &Happened::Interrupted(Interruption::Velocity));
+        assert_eq!(is_told, is_let_go, "{way} m in a tick");
+    }
+}
+
+#[test]
+fn law_what_a_partner_sent_while_nothing_was_coupled_is_no_loss() {
+    // a stop here: the partner goes on for its ramp and one way, and begins earlier or later the next time
+    for delay in [0.02, 0.15] {
+        let study = hman_study(&format!(
+            "coupling.stiffness = 100\nnetwork.delay = {delay}\nsession.strategy = \"guard\""
+        ));
+        let mut pair = Pair::new([&study, &study], delay);
+        pair.run(3000, |_, _| {});
+        for _ in 0..3 {
+            pair.devices[0].change(|script| script.is_stopped = true);
+            pair.run(1000, |_, _| {});
+            pair.devices[0].change(|script| script.is_stopped = false);
+            pair.order(0, Order::Clear);
+            pair.run(4000, |_, _| {});
+            assert_eq!(pair.phases(), [Phase::Running; 2]);
+        }
+        for side in 0..2 {
+            let (site, moment) = (pair.site_of(side), pair.moment(side));
+            assert!(site.tally().early_datagrams > 100 || side == 1);
+            assert_eq!(site.session_report().playout.lost, 0, "{delay} s, site {}", side + 1);
+            assert_eq!(moment.session.playout.lost, 0);
+            let log = site.log().entries();
+            let is_softened = |happened: &Happened| matches!(happened, Happened::Softened(_));
+            assert!(!log.iter().any(|(_, happened)| is_softened(happened)), "{delay} s: {log:?}");
+        }
+        // one that is lost still counts
+        pair.ends[0].wire.borrow_mut().is_cut[0] = true;
+        pair.run(5, |_, _| {});
+        pair.ends[0].wire.borrow_mut().is_cut[0] = false;
+        pair.run(500, |_, _| {});
+        assert_eq!(pair.site_of(0).session_report().playout.lost, 5, "{delay} s");
+    }
+}
+
+#[test]
+fn law_packets_that_the_transport_leaves_out_are_no_loss() {
+    for every in [2, 4] {
+        let mut pair = Pair::new([&study(), &study()], 0.02);
+        pair.run(1500, |_, _| {});
+        pair.ends[0].wire.borrow_mut().every = [every; 2];
+        run_smoothly(&mut pair, 8000, false);
+        assert_eq!(pair.phases(), [Phase::Running; 2]);
+        for side in 0..2 {
+            assert_eq!(pair.site_of(side).session_report().playout.lost, 0, "one of {every}");
+            assert_eq!(pair.site_of(side).tally().softened_ticks, 0, "one of {every}");
+        }
+    }
+}
+
+#[test]
+fn law_a_device_that_reported_nonsense_for_long_is_asked_for_consent() {
+    let mut pair = running();
+    pair.devices[1].change(|script| script.velocity = [f64::NAN, 0.0]);
+    // it may pass: the force is held, and falls along a ramp
+    run_smoothly(&mut pair, 80, false);
+    assert_ne!(pair.forces()[1], [0.0; 2]);
+    run_smoothly(&mut pair, 1000, true);
+    assert_eq!(pair.phases(), [Phase::Homing; 2]);
+    assert!(pair.happened(1, &Happened::Interrupted(Interruption::Device(Fault::Impossible))));
+    assert!(pair.happened(1, &Happened::Session(EventKind::Disengaged(Cause::OwnMeasurement))));
+    pair.devices[1].change(|script| script.velocity = [0.0; 2]);
+    pair.run(3000, |_, forces| assert_eq!(forces, [[0.0; 2]; 2]));
+    assert_eq!(pair.phases(), [Phase::Consenting; 2]);
+    consent(&mut pair);
+    // a single value that cannot be is passed over
+    pair.devices[1].change(|script| script.position = [f64::INFINITY, 0.0]);
+    pair.run(3, |_, _| {});
+    pair.devices[1].change(|script| script.position = [0.02, 0.0]);
+    run_smoothly(&mut pair, 1000, false);
+    assert_eq!(pair.phases(), [Phase::Running; 2]);
+}
+
+#[test]
+fn law_a_consent_that_ends_is_told_whatever_ended_it() {
+    type End = fn(&mut Pair);
+    let ends: [(&str, End); 6] = [
+        ("the device", |pair| pair.devices[0].change(|script| script.is_ready = false)),
+        ("the stop", |pair| pair.devices[0].change(|script| script.is_stopped = true)),
+        ("a pause", |pair| pair.order(0, Order::Pause)),
+        ("the handle", |pair| pair.devices[0].change(|script| script.position = [0.5, 0.0])),
+        ("another partner", |pair| pair.restart(&study(), 1, 77)),
+        ("a withdrawal", |pair| pair.order(0, Order::Withdraw)),
+    ];
+    for (name, end) in ends {
+        for is_coupled in [false, true] {
+            let mut pair = if is_coupled { running() } else { consenting() };
+            pair.order(0, Order::Consent);
+            pair.run(100, |_, _| {});
+            assert!(pair.moment(0).consents[0]);
+            end(&mut pair);
+            let (mut consents, mut losses) = (true, 0);
+            pair.run(1500, |pair, _| {
+                let news = pair.site_of(0).log().news();
+                losses += news.iter().filter(|(_, happened)| *happened == Happened::ConsentLost).count();
+                consents = pair.moment(0).consents[0];
+            });
+            assert_eq!((consents, losses), (false, 1), "{name} {is_coupled}");
+        }
+    }
+}
+
+#[test]
+fn law_a_delay_that_is_refused_ends_both_sides_whoever_finds_it_first() {
+    let study = hman_study(
+        "coupling.stiffness = 100\nnetwork.delay = 0.002\n\
+         session = {strategy = \"guard\", playout = {kind = \"fixed\", delay = 0.005}}",
+    );
+    // a greeting that is lost on one way: the side there knows the delay later
+    for (deaf, lost) in [(0, 0), (0, 60), (1, 60), (0, 200), (1, 200)] {
+        let mut pair = Pair::new([&study, &study], 0.01);
+        pair.run(150, |_, _| {});
+        pair.ends[0].wire.borrow_mut().is_cut[deaf] = true;
+        pair.run(lost, |_, _| {});
+        pair.ends[0].wire.borrow_mut().is_cut[deaf] = false;
+        pair.run(4000, |_, forces| assert_eq!(forces, [[0.0; 2]; 2]));
+        let causes = [0, 1].map(|side| pair.site_of(side).cause());
+        assert_eq!(causes, [Some(telespring_link::site::Cause::DelayRefused); 2], "{lost} ms towards {deaf}");
+    }
+}
+
+#[test]
+fn law_a_limit_that_stays_broken_is_told_once_and_asks_for_no_greeting_at_every_tick() {
+    let mut pair = running();
+    pair.devices[0].change(|script| script.velocity = [0.0, -3.0]);
+    let mut greetings = 0;
+    for _ in 0..90 {
+        pair.tick();
+        let latest = pair.ends[0].wire.borrow_mut().latest[1].take();
+        greetings += usize::from(latest.is_some_and(|datagram| datagram.starts_with(&MAGIC)));
+    }
+    assert!(greetings <= 6, "{greetings} greetings in 90 ms");
+    let told = Happened::Interrupted(Interruption::Velocity);
+    assert_eq!(pair.site_of(0).log().entries().iter().filter(|(_, happened)| *happened == told).count(), 1);
+}
+
+#[test]
+fn law_while_nothing_is_coupled_no_age_of_before_is_shown() {
+    let mut pair = running();
+    assert!(pair.moment(0).age.is_some());
+    pair.order(0, Order::Pause);
+    pair.run(500, |_, _| {});
+    for side in 0..2 {
+        let moment = pair.moment(side);
+        let latency = moment.latency(Span(0));
+        assert_eq!((moment.age, latency.network, latency.playout), (None, None, None));
+    }
+}
+
+#[test]
+fn law_orders_of_the_console_and_of_the_device_take_turns() {
+    let mut pair = consenting();
+    let (mut console, orders) = rtrb::RingBuffer::new(64);
+    pair.sites[0].as_mut().unwrap().obey(orders);
+    let note = Mark::new(MarkKind::Note, "again").unwrap();
+    for _ in 0..200 {
+        while console.push(Order::Mark(note)).is_ok() {}
+        pair.tick();
+    }
+    while console.push(Order::Mark(note)).is_ok() {}
+    pair.order(0, Order::Pause);
+    pair.tick();
+    assert_eq!(pair.phases()[0], Phase::Paused);
+}
+
+#[test]
+fn law_a_machine_that_was_suspended_lets_go_at_once_and_both_consent_anew() {
+    let mut pair = running();
+    // a jitter of the two clocks is none
+    for wobble in [3_000_000, -5_000_000, 0] {
+        pair.clock.1.set(wobble);
+        run_smoothly(&mut pair, 5, false);
+    }
+    pair.clock.1.set(60_000_000_000);
+    pair.tick();
+    assert_eq!(pair.forces(), [[0.0; 2]; 2]);
+    assert!(pair.happened(0, &Happened::Interrupted(Interruption::Suspended)));
+    pair.run(2000, |_, forces| assert_eq!(forces, [[0.0; 2]; 2]));
+    assert_eq!(pair.phases(), [Phase::Consenting; 2]);
+    consent(&mut pair);
 }

@@ -6,7 +6,8 @@ use numpy::{IntoPyArray, Ix1, Ix2, PyArray1, PyArrayMethods, PyReadonlyArray1, P
 use pyo3::prelude::*;
 use telespring::InvalidInput;
 use telespring::rig::replay::{
-    self, Acted, RecordedArrival, RecordedTick, ReplaySettings, ReplayedSite as CoreReplayed, ReplayedTick,
+    self, Acted, ForceLimits, RecordedArrival, RecordedTick, ReplaySettings, ReplayedSite as CoreReplayed,
+    ReplayedTick,
 };
 use telespring::session::wire::LENGTH;
 use telespring::session::{LocalTime, Motion, Span, WatchdogSettings, WatchdogState};
@@ -286,6 +287,7 @@ fn replayed(py: Python<'_>, site: CoreReplayed) -> PyResult<ReplayedSite> {
 /// What each site of a replay promised, in the words of `replay_pair`.
 struct Promises<const N: usize> {
     largest_force: [f64; N],
+    steepest_rise: [f64; N],
     silence: [f64; N],
     stall: [f64; N],
 }
@@ -305,7 +307,8 @@ impl<const N: usize> Promises<N> {
             [self.silence[place], self.stall[place], period].map(Span::from_seconds);
         let watchdog = WatchdogSettings::within(silence, stall, period)?;
         let endpoint = study.0.live_side(side, session, watchdog)?;
-        Ok(ReplaySettings { endpoint, acted, largest_force: self.largest_force[place] })
+        let limits = ForceLimits { largest: self.largest_force[place], rise: self.steepest_rise[place] };
+        Ok(ReplaySettings { endpoint, acted, limits })
     }
 }
 
@@ -331,6 +334,8 @@ fn acted(acted_as_recorded: Truth) -> Outcome<Acted> {
 ///     replayed force, as the site lets it through.
 /// largest_force : float
 ///     The largest force that the site lets through, N; infinity for no limit.
+/// steepest_rise : float
+///     The steepest growth of this force, N/s; infinity for no limit.
 /// silence, stall : float
 ///     As `safety.silence` and `safety.stall` of a site file, s.
 ///
@@ -352,12 +357,14 @@ pub fn replay_site(
     session: Argument<u64>,
     acted_as_recorded: Truth,
     largest_force: Number,
+    steepest_rise: Number,
     silence: Number,
     stall: Number,
 ) -> Outcome<ReplayedSite> {
     let side = side.named("side")?;
     let promises = Promises {
         largest_force: [largest_force.named("largest_force")?],
+        steepest_rise: [steepest_rise.named("steepest_rise")?],
         silence: [silence.named("silence")?],
         stall: [stall.named("stall")?],
     };
@@ -373,8 +380,8 @@ pub fn replay_site(
 ///
 /// Parameters
 /// ----------
-/// study, acted_as_recorded, largest_force, silence, stall
-///     As in `replay_site`; the force as a pair, one per site.
+/// study, acted_as_recorded, largest_force, steepest_rise, silence, stall
+///     As in `replay_site`; the numbers as pairs, one per site.
 /// sites : (RecordedSite, RecordedSite)
 ///     What the endpoints of sides 1 and 2 were given.
 /// sessions : (int, int)
@@ -397,6 +404,7 @@ pub fn replay_pair(
     sessions: Argument<[u64; 2]>,
     acted_as_recorded: Truth,
     largest_force: Argument<[f64; 2]>,
+    steepest_rise: Argument<[f64; 2]>,
     silence: Argument<[f64; 2]>,
     stall: Argument<[f64; 2]>,
 ) -> Outcome<(ReplayedSite, ReplayedSite)> {
@@ -406,6 +414,7 @@ pub fn replay_pair(
         |field, argument: Argument<[f64; 2]>| argument.or_refuse(field, pair, "Give a number for each site.");
     let promises = Promises {
         largest_force: numbers("largest_force", largest_force)?,
+        steepest_rise: numbers("steepest_rise", steepest_rise)?,
         silence: numbers("silence", silence)?,
         stall: numbers("stall", stall)?,
     };

@@ -72,7 +72,7 @@ def analyse_recording(
     Examples
     --------
     >>> import telespring as ts
-    >>> found = ts.analyse_recording("examples/session.mcap")
+    >>> found = ts.analyse_recording("session.mcap")
     >>> found["recording"]["status"], found["session"]["robot1"]["source"]
     ('complete', 'recorded')
     >>> found["session"]["robot1"]["tracking_error"] < 0.1  # m
@@ -187,15 +187,16 @@ def _measured(dataset: xr.Dataset, discard: float | None) -> list[dict[str, Any]
 
 
 def _levels(dataset: xr.Dataset, condition: int, trial: int, robot: int) -> dict[str, float | None]:
-    """Describe the stiffness that was in use, and the account."""
+    """Describe the stiffness that was in use while the spring acted, and the account."""
+    acted = np.asarray(dataset["spring_acted"][condition, trial])
 
-    def known(name: str) -> FloatArray:
+    def known(name: str, when: NDArray[np.bool_]) -> FloatArray:
         if name not in dataset:
             return np.zeros(0)
-        values = np.asarray(dataset[name][condition, trial, :, robot])
+        values = np.asarray(dataset[name][condition, trial, :, robot])[when]
         return np.asarray(values[np.isfinite(values)])
 
-    in_use, account = known("stiffness_in_use"), known("account")
+    in_use, account = known("stiffness_in_use", acted), known("account", np.ones_like(acted))
     return {
         "stiffness_mean": float(in_use.mean()) if in_use.size else None,
         "stiffness_least": float(in_use.min()) if in_use.size else None,

@@ -22,7 +22,7 @@ from telespring.cli.live_program import complain, leaving
 from telespring.cli.terminal import screen_console
 from telespring.cli.units import TIME, number
 from telespring.connection import LiveSession, RunningProgram, find_program, outcome
-from telespring.show.screens.live import event_line, live_screen, status_line
+from telespring.show.screens.live import KEYS, event_line, live_screen, marker_line, status_line
 from telespring.show.screens.live_outcome import check_screen, live_outcome_screen
 from telespring.show.screens.plain_letters import for_encoding
 
@@ -31,6 +31,12 @@ __all__ = ["connect_command"]
 #: How often the screen is drawn, and lines of a file are written, s.
 _SCREEN_INTERVAL = 0.1
 _LINE_INTERVAL = 2.0
+#: What the study of a site says instead.
+_OF_THE_STUDY = {
+    "strategy": "Leave it out: a site's study says it.",
+    "stiffness": "Leave it out: a site's study says it.",
+    "imposed-delay": 'Leave it out; a site\'s study says it: playout = {kind = "fixed", delay = …}.',
+}
 #: Where a demonstration is recorded.
 _RECORDINGS = Path("out/connect")
 
@@ -73,6 +79,23 @@ def connect_command(
         float | None,
         typer.Option(metavar="SHARE", help="The share of packets that are lost. Default: 0.02."),
     ] = None,
+    imposed_delay: Annotated[
+        float | None,
+        typer.Option(
+            parser=number(TIME),
+            metavar="TIME",
+            help="A delay imposed on the partner's motion in --demo; one below the path's is refused.",
+        ),
+    ] = None,
+    participant: Annotated[
+        str | None,
+        typer.Option(metavar="CODE", help="Marks who takes part: a code such as P-07, never a name."),
+    ] = None,
+    condition: Annotated[str | None, typer.Option(metavar="TEXT", help="Marks the condition.")] = None,
+    trial: Annotated[
+        str | None,
+        typer.Option(metavar="TEXT", help="Marks the trial: it lasts to the next one, or to the end."),
+    ] = None,
     seconds: Annotated[
         float | None,
         typer.Option(
@@ -94,7 +117,8 @@ def connect_command(
 ) -> None:
     """Couple two robots, live: start the program of a site, watch it, and say what happened.
 
-    Keys: p or space pause, r resume, c consent, w withdraw, s stop, x clear an emergency stop, Ctrl-C leave.
+    Keys: p or space pause, r resume, c consent, w withdraw, s stop, x clear an emergency stop, m mark,
+    Ctrl-C leave.
     Exit status: 0 after a session that ran and was left; 1 if it never ran, or a fault ended it.
 
     Example: telespring connect --demo
@@ -104,18 +128,26 @@ def connect_command(
         raise InvalidInput(
             "--demo, --site, --check", f"{sum(chosen)} of them", "exactly one is needed", "Start with --demo."
         )
-    path = {"strategy": strategy, "stiffness": stiffness, "delay": delay, "jitter": jitter, "loss": loss}
+    path = {
+        "strategy": strategy,
+        "stiffness": stiffness,
+        "delay": delay,
+        "jitter": jitter,
+        "loss": loss,
+        "imposed-delay": imposed_delay,
+    }
     given = {name: value for name, value in path.items() if value is not None}
     if given and not demo:
         name = next(iter(given))
-        remedy = (
-            "Leave it out: a site's study says it." if name in {"strategy", "stiffness"} else "Leave it out."
-        )
+        remedy = _OF_THE_STUDY.get(name, "Leave it out.")
         raise InvalidInput(f"--{name}", str(given[name]), "this belongs to --demo only", remedy)
+    marks = {"participant": participant, "condition": condition, "trial": trial}
+    recorded = {"record": record, **marks}
     program = find_program()
     if check is not None:
-        if record is not None:
-            raise InvalidInput("--record", str(record), "a check records nothing", "Leave it out.")
+        for name, left in recorded.items():
+            if left is not None:
+                raise InvalidInput(f"--{name}", str(left), "a check records nothing", "Leave it out.")
         raise typer.Exit(_check(program, check, seconds, as_json=as_json))
     if seconds is not None:
         given["seconds"] = seconds
@@ -127,6 +159,8 @@ def connect_command(
         arguments += ["--record", str(folder)]
     for name, value in given.items():
         arguments += [f"--{name}", str(value) if isinstance(value, str) else repr(float(value))]
+    # in one word, so that a text may begin with a dash
+    arguments += [f"--{name}={text}" for name, text in marks.items() if text is not None]
     title = _title(given) if site is None else f"Site {site.name}"
     raise typer.Exit(_run(program, arguments, title, as_json=as_json))
 
@@ -208,7 +242,9 @@ def _watch_live(
             now = time.monotonic()
             if now - drawn >= _SCREEN_INTERVAL:
                 drawn = now
-                screen = live_screen(session, title, now, console.size.height)
+                typed = keys.typed()
+                hint = KEYS if typed is None else marker_line(typed)
+                screen = live_screen(session, title, now, console.size.height, hint)
                 live.update(for_encoding(screen, console.encoding), refresh=True)
 
 

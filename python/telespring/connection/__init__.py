@@ -3,9 +3,9 @@
 `docs/connect.md` describes the program, its console and its summary.
 """
 
-from telespring.connection.outcome import outcome
+from telespring.connection.outcome import outcome, recording_path
 from telespring.connection.program import find_program
 from telespring.connection.running import RunningProgram
 from telespring.connection.session import Line, LiveSession, Side
 
-__all__ = ["Line", "LiveSession", "RunningProgram", "Side", "find_program", "outcome"]
+__all__ = ["Line", "LiveSession", "RunningProgram", "Side", "find_program", "outcome", "recording_path"]

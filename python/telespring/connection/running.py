@@ -23,6 +23,8 @@ __all__ = ["RunningProgram"]
 _PIECE = 65_536
 #: The longest line that is read; a summary has up to some thousand events.
 _LONGEST = 16 * 2**20
+#: Orders that wait for a program which does not listen, bytes; more are dropped.
+_UNHEARD = 2**20
 #: The most lines of complaints that are kept.
 _COMPLAINTS = 50
 #: How long a session that was asked to leave may take, s: its force ramps out, and its recording is closed.
@@ -50,6 +52,9 @@ class RunningProgram:
         assert stderr is not None
         self._open = {stdout.fileno(): bytearray(), stderr.fileno(): bytearray()}
         self._stdout = stdout.fileno()
+        assert self._process.stdin is not None
+        os.set_blocking(self._process.stdin.fileno(), False)
+        self._unheard = bytearray()
         self._complaints: deque[str] = deque(maxlen=_COMPLAINTS)
         self._asked: float | None = None
 
@@ -75,6 +80,7 @@ class RunningProgram:
 
     def read(self, timeout: float, keyboard: int | None = None) -> tuple[list[Line], bool]:
         """Wait for lines, at most `timeout` s; also tell whether the file `keyboard` can be read."""
+        self._say()
         watched = [*self._open, *([] if keyboard is None else [keyboard])]
         ready, _, _ = select.select(watched, [], [], timeout)
         lines: list[Line] = []
@@ -101,12 +107,17 @@ class RunningProgram:
         return [line for text in whole if (line := _object(bytes(text))) is not None]
 
     def order(self, text: str) -> None:
-        """Tell the program an order; one that has ended does not hear it."""
+        """Tell the program an order, once it listens, after those before; one that has ended hears none."""
+        if len(self._unheard) < _UNHEARD:
+            self._unheard += text.encode() + b"\n"
+        self._say()
+
+    def _say(self) -> None:
+        """Write what the program has not heard yet, as far as there is room."""
         stdin = self._process.stdin
-        if stdin is not None:
+        if self._unheard and stdin is not None:
             with suppress(OSError):
-                os.set_blocking(stdin.fileno(), False)
-                stdin.write(text.encode() + b"\n")
+                del self._unheard[: stdin.write(self._unheard) or 0]
 
     def leave(self) -> None:
         """Ask the session to ramp out and say goodbye; asked again a second or more later, end the program.

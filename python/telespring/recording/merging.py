@@ -59,7 +59,7 @@ def merge_recordings(
     --------
     >>> import telespring as ts
     >>> try:
-    ...     ts.merge_recordings("examples/session.mcap", "examples/session.mcap")
+    ...     ts.merge_recordings("session.mcap", "session.mcap")
     ... except ts.InvalidInput as refused:
     ...     print(refused.remedy)
     A merged file has both sites already: analyse it as it is.

@@ -81,7 +81,7 @@ def read_recording(path: str | os.PathLike[str]) -> SessionRecording:
     Examples
     --------
     >>> import telespring as ts
-    >>> recording = ts.read_recording("examples/session.mcap")
+    >>> recording = ts.read_recording("session.mcap")
     >>> recording.status, sorted(recording.sides)
     ('complete', [1, 2])
     >>> session = recording.dataset()

@@ -19,9 +19,6 @@ if TYPE_CHECKING:
 
 __all__ = ["read_sites", "site_recording"]
 
-#: A force this close to the limit was cut by it, as a share of the limit.
-_CUT = 1e-9
-
 
 def read_sites(path: str | os.PathLike[str]) -> list[SiteRecording]:
     """Read the recording of one side, or the merged one of both; InvalidInput if it is none."""
@@ -35,8 +32,6 @@ def site_recording(side: SideRecording) -> SiteRecording:
     if not side.study:
         raise _refuse(side, "no study.toml", "a replay needs the study of the session")
     ticks, arrivals = side.ticks, side.arrivals
-    wanted, force = _pairs(ticks, "wanted_force"), _pairs(ticks, "commanded_force")
-    limit = _number(side, "safety", "force", 1.0)
     target_position, target_velocity = _pairs(ticks, "target.position"), _pairs(ticks, "target.velocity")
     offset = _column(ticks, "clock_offset")
     places, is_kept = _places(side)
@@ -46,7 +41,7 @@ def site_recording(side: SideRecording) -> SiteRecording:
         session=_session(side),
         silence=_number(side, "safety", "silence_ns", 1e-9),
         stall=_number(side, "safety", "stall_ns", 1e-9),
-        largest_force=limit,
+        largest_force=_number(side, "safety", "force"),
         time=np.asarray(_column(ticks, "time"), dtype=np.uint64),
         answered=np.where(_is_present(ticks, "asked_time"), _column(ticks, "asked_time"), 0).astype(
             np.uint64
@@ -57,39 +52,31 @@ def site_recording(side: SideRecording) -> SiteRecording:
         acted=_pairs(ticks, "told_force"),
         target_position=target_position,
         target_velocity=target_velocity,
-        share=passed_share(wanted, force, limit),
-        wanted=wanted,
-        force=force,
+        share=_share(side),
+        wanted=_pairs(ticks, "wanted_force"),
+        force=_pairs(ticks, "commanded_force"),
         clock_offset=np.where(_is_present(ticks, "clock_offset"), 1e-9 * offset.astype(np.float64), np.nan),
         arrival_tick=places,
         arrival_time=np.asarray(_column(arrivals, "time"), dtype=np.uint64)[is_kept],
         datagram=_datagrams(arrivals)[is_kept],
+        steepest_rise=_number(side, "safety", "rise"),
+        has_measured_force=bool(_is_present(ticks, "measured_force.x").any()),
     )
 
 
-def passed_share(wanted: FloatArray, force: FloatArray, limit: float) -> FloatArray:
-    """Return the share of the endpoint's force that a site let through, per axis, before its limit.
-
-    Where the limit cut the force, or there was none, nobody sees the share: it is that of the tick before, at
-    first all.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> wanted = np.array([[4.0, 0.0], [4.0, 2.0], [40.0, 0.0], [4.0, 2.0]])
-    >>> force = np.array([[4.0, 0.0], [2.0, 2.0], [10.0, 0.0], [0.0, 0.0]])
-    >>> passed_share(wanted, force, 10.0).tolist()
-    [[1.0, 1.0], [0.5, 1.0], [0.5, 1.0], [0.0, 0.0]]
-    """
-    is_cut = np.hypot(force[:, 0], force[:, 1]) >= limit * (1.0 - _CUT)
-    is_seen = np.isfinite(wanted) & np.isfinite(force) & (wanted != 0.0) & ~is_cut[:, None]
-    share = np.ones_like(wanted)
-    np.divide(force, wanted, out=share, where=is_seen)
-    # a first row of which all acts, and the place of the latest row that is seen
-    places = np.where(is_seen, np.arange(1, len(wanted) + 1)[:, None], 0)
-    latest = np.maximum.accumulate(places, axis=0)
-    filled = np.vstack([np.ones((1, 2)), share])
-    return np.asarray(np.clip(np.take_along_axis(filled, latest, axis=0), 0.0, 1.0))
+def _share(side: SideRecording) -> FloatArray:
+    """Return the share of the endpoint's force that the site let act, per axis, before its limits."""
+    found = side.ticks.columns.get("share")
+    if found is None:
+        raise _refuse(side, "ticks without a share", "a recording of this release is required")
+    scale = [
+        0.0
+        if side.metadata.get("safety", {}).get(f"lock_{axis}") == "true"
+        else _number(side, "safety", "scale")
+        for axis in ("x", "y")
+    ]
+    # multiplied as the site does
+    return np.asarray(np.outer(np.asarray(found, dtype=np.float64), scale))
 
 
 def _session(side: SideRecording) -> int:
@@ -100,7 +87,7 @@ def _session(side: SideRecording) -> int:
         raise _refuse(side, side.session[:40] or "no session", "the id of the session is required") from None
 
 
-def _number(side: SideRecording, table: str, key: str, unit: float) -> float:
+def _number(side: SideRecording, table: str, key: str, unit: float = 1.0) -> float:
     text = side.metadata.get(table, {}).get(key, "")
     try:
         return float(text) * unit

@@ -179,6 +179,7 @@ class SideReplay:
                 "force_difference_rms": self.force_difference_rms,
                 "renewed_packets": self.replayed.renewed,
                 "packets": len(self.recording.arrival_time),
+                "device_measured_force": self.recording.has_measured_force,
                 "events": [
                     {"time": time, "event": word, "cause": reason or None}
                     for time, word, reason in self.events
@@ -229,6 +230,15 @@ class Replay:
         """Whether the session's own settings give the recorded forces, bit for bit."""
         return all(side.differs_at is None for side in self.sides)
 
+    @property
+    def acted_force(self) -> Literal["as recorded", "as commanded"]:
+        """Which force the energy account took as the one that acted.
+
+        Under other settings it is the commanded one: what a device made of it, such as a lag, is not
+        replayed.
+        """
+        return "as recorded" if self.is_own else "as commanded"
+
     def to_dict(self) -> dict[str, Any]:
         """Return the replay in numbers, as JSON takes them."""
         return {
@@ -237,6 +247,7 @@ class Replay:
             "own_settings": self.is_own,
             "reproduced": self.is_reproduced,
             "partner": self.partner,
+            "acted_force": self.acted_force,
             "people_react": False,
             "sides": [side.to_dict() for side in self.sides],
         }

@@ -66,12 +66,12 @@ def replay(
     Examples
     --------
     >>> import telespring as ts
-    >>> own = ts.replay("examples/session.mcap")
+    >>> own = ts.replay("session.mcap")
     >>> own.is_reproduced, own.partner
     (True, 'replayed')
-    >>> later = ts.replay("examples/session.mcap", playout={"kind": "fixed", "delay": 0.02}, stiffness=50.0)
-    >>> later.study.session.playout_delay, later.sides[0].recorded_numbers == own.sides[0].numbers
-    (0.02, True)
+    >>> later = ts.replay("session.mcap", playout={"kind": "fixed", "delay": 0.02}, stiffness=50.0)
+    >>> later.study.session.playout_delay, later.acted_force, own.acted_force
+    (0.02, 'as commanded', 'as recorded')
     """
     sites = _sites(session, other)
     recorded_study = sites[0].study
@@ -166,6 +166,7 @@ def _run(study: Study, sites: Sequence[SiteRecording], *, is_own: bool) -> Seque
                 site.session,
                 is_own,
                 site.largest_force,
+                site.steepest_rise,
                 site.silence,
                 site.stall,
             )
@@ -177,6 +178,7 @@ def _run(study: Study, sites: Sequence[SiteRecording], *, is_own: bool) -> Seque
         (one.session, two.session),
         is_own,
         (one.largest_force, two.largest_force),
+        (one.steepest_rise, two.steepest_rise),
         (one.silence, two.silence),
         (one.stall, two.stall),
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -35,7 +36,7 @@ class SiteRecording:
     session
         Its session id.
     silence, stall, largest_force
-        What the site file said under `safety`, s and N.
+        What the site file said under `safety` and `limits.force`, s and N.
     time
         When each tick began, ns on the site's clock, (n,) uint64.
     answered
@@ -60,6 +61,10 @@ class SiteRecording:
         and uint64.
     datagram
         The bytes, (m, 112) uint8.
+    steepest_rise
+        What the site file said under `limits.rise`, N/s. Default: no limit.
+    has_measured_force
+        Whether the device measured the force that acted. Default: no.
     """
 
     study: Study
@@ -83,6 +88,8 @@ class SiteRecording:
     arrival_tick: NDArray[np.int64]
     arrival_time: NDArray[np.uint64]
     datagram: NDArray[np.uint8]
+    steepest_rise: float = math.inf
+    has_measured_force: bool = False
 
     def core(self) -> RecordedSite:
         """Return the same as the core takes it; InvalidInput where lengths, times or order do not fit."""

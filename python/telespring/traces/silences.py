@@ -55,7 +55,9 @@ def find_silences(trace: Trace, period: float, limit: float = SILENCE) -> Silenc
     sent = trace.time[0] + period * np.arange(int(trace.duration / period) + 1)
     row = np.searchsorted(trace.time, sent + 1e-9, side="right") - 1
     came = np.sort((sent + trace.delay[row])[~trace.lost[row]])
-    gaps = np.diff(came)
+    # what was lost at the beginning or at the end of the recording is a silence, too
+    first = sent[0] + (float(np.min(trace.delay[~trace.lost])) if came.size else 0.0)
+    gaps = np.diff([first, *came, max(sent[-1], first, *came[-1:])])
     # stamps are rounded
     silent = gaps[gaps >= limit * (1.0 - 1e-9)]
     span = trace.duration or period

@@ -4,13 +4,14 @@ use std::fs;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
-use super::{Failure, median};
+use telespring_link::demo::ROBOTS;
 use telespring_link::keys::SiteKey;
 
+use super::sites::over_iroh;
+use super::{Failure, median};
+
 const PROGRAM: &str = env!("CARGO_BIN_EXE_telespring-link");
-const STUDY: &str = "\
-robot1 = {axes = [\"x\", \"y\"], mass = [0.8334, 1.0649], damping = [7.7257, 10.1168]}
-robot2 = {axes = [\"x\", \"y\"], mass = [0.7776, 1.3407], damping = [7.4208, 9.3496]}
+const SESSION: &str = "\
 coupling.stiffness = 100
 network = {delay = 0.005}
 session = {strategy = \"guard\", playout = \"adaptive\"}
@@ -104,24 +105,17 @@ fn used() -> Result<f64, Failure> {
 pub fn compare(rounds: usize, seconds: u64) -> Result<(), Failure> {
     let folder = std::env::temp_dir().join(format!("telespring-link-bench-{}", std::process::id()));
     fs::create_dir_all(&folder)?;
-    fs::write(folder.join("study.toml"), STUDY)?;
+    fs::write(folder.join("study.toml"), format!("{ROBOTS}{SESSION}"))?;
     let keys = [1, 2].map(|side| SiteKey::create(&folder.join(format!("{side}.key"))));
     let [first, second] = keys;
     let ids = [first?.id(), second?.id()];
-    let ports = {
+    let places = {
         let sockets = [std::net::UdpSocket::bind("127.0.0.1:0")?, std::net::UdpSocket::bind("127.0.0.1:0")?];
-        [sockets[0].local_addr()?.port(), sockets[1].local_addr()?.port()]
+        [sockets[0].local_addr()?, sockets[1].local_addr()?]
     };
     for side in 0..2 {
-        let text = format!(
-            "study = \"study.toml\"\nside = {}\n[network]\ntransport = \"iroh\"\nkey = \"{}.key\"\npeer_id = \"{}\"\n\
-             local = \"127.0.0.1:{}\"\npeer = \"127.0.0.1:{}\"\n",
-            side + 1,
-            side + 1,
-            ids[1 - side],
-            ports[side],
-            ports[1 - side]
-        );
+        let peer_id = ids[1 - side].to_string();
+        let text = over_iroh("study.toml", side + 1, &peer_id, places[side], places[1 - side]);
         fs::write(folder.join(format!("site-{}.toml", side + 1)), text)?;
     }
     let (mut theirs, mut ours) = (Vec::new(), Vec::new());

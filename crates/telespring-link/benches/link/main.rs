@@ -8,6 +8,8 @@ mod loss;
 #[path = "../../tests/netns/mod.rs"]
 mod netns;
 mod round_trip;
+#[path = "../../tests/sites/mod.rs"]
+mod sites;
 
 type Failure = Box<dyn std::error::Error>;
 

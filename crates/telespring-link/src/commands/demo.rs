@@ -9,6 +9,7 @@ use telespring_link::console::Output;
 use telespring_link::demo::{self, DemoError};
 use telespring_link::settings::LoopChoice;
 
+use super::marks::Marks;
 use super::{Failure, orders, outcome, print_summary, stop_on_signal};
 
 /// Runs both sides on this machine, over an emulated path, and prints a summary as JSON
@@ -42,6 +43,8 @@ pub struct Demo {
     /// both sides or, after 1 or 2, for one: consent, withdraw, pause, resume, stop, clear, mark KIND TEXT
     #[arg(long)]
     console: bool,
+    #[command(flatten)]
+    marks: Marks,
     /// The folder for the recordings of both sides
     #[arg(long, value_name = "FOLDER")]
     record: Option<PathBuf>,
@@ -59,7 +62,8 @@ enum Strategy {
 impl Demo {
     pub(super) fn run(self) -> Result<ExitCode, Failure> {
         let Self { seconds, delay, jitter, loss, stiffness, strategy, seed, .. } = self;
-        let Self { imposed_delay, console, record, live, .. } = self;
+        let Self { imposed_delay, console, marks, record, live, .. } = self;
+        let marks = marks.orders()?;
         let strategy = match strategy {
             Strategy::Guard => "guard",
             Strategy::Spring => "spring",
@@ -79,7 +83,7 @@ impl Demo {
             live,
         };
         let stop = stop_on_signal();
-        let orders = if console { orders(&stop)?.map(Some) } else { [None, None] };
+        let orders = orders(marks, console, &stop)?;
         let console = console.then(Output::stdout).transpose()?;
         let summary = demo.run(&stop, orders, console.as_ref()).map_err(|error| match error {
             DemoError::Input(refusal) => Failure::Input(refusal),

@@ -4,12 +4,13 @@ mod check;
 mod demo;
 mod id;
 mod keygen;
+mod marks;
 mod parts;
 mod probe;
 mod relay_config;
 mod run;
 
-use std::io::Write;
+use std::io::{BufReader, Cursor, Read, Write};
 use std::os::fd::AsFd;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -113,10 +114,20 @@ fn stop_on_signal() -> Arc<AtomicBool> {
     stop
 }
 
-/// The orders from standard input, for each of `N` sides. The end of an input that a program writes sets `stop`: whoever
-/// watched the session is gone then.
-fn orders<const N: usize>(stop: &Arc<AtomicBool>) -> Result<[Consumer<Order>; N], Failure> {
-    let (listener, orders) = operator::listen(std::io::BufReader::new(std::io::stdin()))?;
+/// The orders for each of `N` sides: those of `first`, one per line, then, with a console, those from standard input. The end
+/// of an input that a program writes sets `stop`: whoever watched the session is gone then.
+fn orders<const N: usize>(
+    first: String,
+    has_console: bool,
+    stop: &Arc<AtomicBool>,
+) -> Result<[Option<Consumer<Order>>; N], Failure> {
+    if !has_console {
+        if first.is_empty() {
+            return Ok([const { None }; N]);
+        }
+        return Ok(operator::listen(Cursor::new(first))?.1.map(Some));
+    }
+    let (listener, orders) = operator::listen(BufReader::new(Cursor::new(first).chain(std::io::stdin())))?;
     if is_written_by_program(&std::io::stdin()) {
         let stop = Arc::clone(stop);
         let wait = move || {
@@ -126,7 +137,7 @@ fn orders<const N: usize>(stop: &Arc<AtomicBool>) -> Result<[Consumer<Order>; N]
         };
         std::thread::Builder::new().name("input".to_owned()).spawn(wait)?;
     }
-    Ok(orders)
+    Ok(orders.map(Some))
 }
 
 /// Success if every side ran, and was left as people leave.

@@ -14,6 +14,7 @@ use telespring_link::record::Facts;
 use telespring_link::record::live::LiveServer;
 use telespring_link::settings::{SiteFile, check_duration};
 
+use super::marks::Marks;
 use super::{Failure, orders, outcome, parts, print_summary, stop_on_signal};
 
 /// Runs the site of a file until the partner leaves, Ctrl-C, or the time is over, and prints a summary as JSON
@@ -28,6 +29,8 @@ pub struct Run {
     /// consent, withdraw, pause, resume, stop, clear, mark KIND TEXT
     #[arg(long)]
     console: bool,
+    #[command(flatten)]
+    marks: Marks,
     /// The folder for a recording
     #[arg(long, value_name = "FOLDER")]
     record: Option<PathBuf>,
@@ -39,6 +42,7 @@ pub struct Run {
 impl Run {
     pub(super) fn run(self) -> Result<ExitCode, Failure> {
         let file = SiteFile::read(&self.site)?;
+        let marks = self.marks.orders()?;
         let duration = self.seconds.map(check_duration).transpose()?.or(file.duration);
         let settings = file.site(draw_session())?;
         let facts = Facts::new(&file.study, &settings)
@@ -51,7 +55,7 @@ impl Run {
             observers.push(parts::telemetry(choice, &settings.terms)?);
         }
         let stop = stop_on_signal();
-        let [orders] = if self.console { orders(&stop)?.map(Some) } else { [None] };
+        let [orders] = orders(marks, self.console, &stop)?;
         let server = match (self.live, file.live) {
             (Some(address), _) => Some(LiveServer::start("--live", address)?),
             (None, Some(address)) => Some(LiveServer::start("live.address", address)?),

@@ -192,7 +192,7 @@ impl Gauge {
             },
             force: x.hypot(y),
             stiffness: moment.wanted_stiffness,
-            stiffness_in_use: stiffness_in_use(moment),
+            stiffness_in_use: moment.stiffness_in_use(),
             limited_share: share(limited, ticks),
             limits: self.limits(newest.as_ref()),
             balance: moment.balance,
@@ -240,15 +240,6 @@ impl Tick {
             limited_ticks: session.strategy.limited_ticks,
             held_ticks: session.playout.held_ticks,
         }
-    }
-}
-
-/// The stiffness that acts after a tick, N/m.
-fn stiffness_in_use(moment: &Moment) -> f64 {
-    if moment.used_partner().is_some() {
-        moment.session.outgoing.stiffness * moment.session.enabled * moment.share
-    } else {
-        0.0
     }
 }
 

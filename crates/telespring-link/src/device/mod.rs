@@ -64,6 +64,9 @@ pub enum Fault {
     /// The device program has sent nothing for too long.
     #[error("the device is silent")]
     Silent,
+    /// The device has reported values that cannot be for so long that no force acts.
+    #[error("the device reports values that cannot be")]
+    Impossible,
 }
 
 impl Fault {
@@ -72,6 +75,7 @@ impl Fault {
         match self {
             Self::Halted => "device-halted",
             Self::Silent => "device-silent",
+            Self::Impossible => "device-impossible",
         }
     }
 

@@ -12,8 +12,8 @@ use super::{Command, Device, Fault, Reading, Stamp};
 use crate::operator;
 use crate::transport::{ROOM, Transport, Udp};
 
-/// Rows that are looked at in one tick.
-const MOST_ROWS: usize = 64;
+/// Rows that are looked at in one tick: as many as wait in a socket after a standstill.
+const MOST_ROWS: usize = 512;
 /// Orders of the device that wait.
 const MOST_REQUESTS: usize = 8;
 
@@ -23,6 +23,8 @@ pub struct UdpDevice {
     link: Udp,
     deadline: Span,
     newest: Option<State>,
+    /// The sequence number of the newest row before the device fell silent.
+    former: Option<f64>,
     heard: Option<LocalTime>,
     orders: u64,
     refused: u64,
@@ -53,6 +55,7 @@ impl UdpDevice {
             link,
             deadline,
             newest: None,
+            former: None,
             heard: None,
             orders: 0,
             refused: 0,
@@ -76,18 +79,32 @@ impl UdpDevice {
         let newest = self.newest.map_or(f64::NEG_INFINITY, |state| state.sequence);
         let state = State::decode(row).filter(|state| state.sequence.is_finite() && state.sequence > newest);
         match state {
-            Some(_) => self.newest = state,
+            Some(State { sequence, .. }) => {
+                // It counts anew, so it was started anew, and so do its orders. One that goes on may repeat an old order.
+                if self.former.take().is_some_and(|former| sequence <= former) {
+                    self.requested = f64::NEG_INFINITY;
+                }
+                self.newest = state;
+            }
             None => self.refused = self.refused.saturating_add(1),
         }
         state
     }
 
-    /// Takes an order, if it is newer than all before and there is room.
+    /// Takes an order, if it is newer than all before and there is room. One that lets go takes the place of one that does not.
     fn take_request(&mut self, Request { sequence, order }: Request) {
-        let place = self.requests.iter_mut().find(|place| place.is_none());
-        match place.filter(|_| sequence > self.requested) {
-            Some(place) => (self.requested, *place) = (sequence, Some(order)),
-            None => self.refused = self.refused.saturating_add(1),
+        if sequence > self.requested {
+            let may_yield = |waiting: &operator::Order| order.lets_go() && !waiting.lets_go();
+            let free = self.requests.iter().position(Option::is_none);
+            let place = free.or_else(|| {
+                self.requests.iter().rposition(|waiting| waiting.as_ref().is_some_and(may_yield))
+            });
+            self.refused += u64::from(free.is_none());
+            if let Some(place) = place.and_then(|place| self.requests.get_mut(place)) {
+                (self.requested, *place) = (sequence, Some(order));
+            }
+        } else {
+            self.refused = self.refused.saturating_add(1);
         }
     }
 }
@@ -96,10 +113,14 @@ impl Device for UdpDevice {
     fn read(&mut self, now: LocalTime) -> Result<Reading, Fault> {
         let (mut room, mut fresh) = ([0; ROOM], false);
         let (mut sum, mut measured) = ([0.0; 2], 0_u32);
+        // a stop, or motors that may not act, in any row: another one behind it undoes nothing
+        let (mut was_ready, mut was_stopped) = (true, false);
         for _ in 0..MOST_ROWS {
             let Some(length) = self.link.receive(now, &mut room) else { break };
             let Some(state) = self.take(room.get(..length).unwrap_or_default()) else { continue };
             fresh = true;
+            was_ready &= state.is_enabled && state.is_homed;
+            was_stopped |= state.is_stopped;
             if let Some(force) = state.measured_force {
                 sum = [0, 1].map(|axis| sum[axis] + force[axis]);
                 measured += 1;
@@ -109,7 +130,7 @@ impl Device for UdpDevice {
             self.heard = Some(now);
         } else if self.heard.is_some_and(|heard| now - heard > self.deadline) {
             // whatever comes next may be a program started anew
-            (self.newest, self.requested) = (None, f64::NEG_INFINITY);
+            self.former = self.newest.take().map(|state| state.sequence).or(self.former);
             return Err(Fault::Silent);
         }
         let state = self.newest;
@@ -118,13 +139,14 @@ impl Device for UdpDevice {
             stamp: state.map(|State { sequence, time, .. }| Stamp { sequence, time }),
             acted: (measured > 0).then(|| sum.map(|sum| sum / f64::from(measured))),
             target: None,
-            is_ready: state.is_some_and(|state| state.is_enabled && state.is_homed),
-            is_stopped: state.is_some_and(|state| state.is_stopped),
+            is_ready: was_ready && state.is_some_and(|state| state.is_enabled && state.is_homed),
+            is_stopped: was_stopped || state.is_some_and(|state| state.is_stopped),
         })
     }
 
     fn command(&mut self, now: LocalTime, command: Command) {
-        self.orders += 1;
+        // From the time on: the device acts on a higher number only, also after this program was started anew.
+        self.orders = if self.orders == 0 { now.0 / 1000 } else { self.orders } + 1;
         let answers = self.newest.map_or([0.0; 2], |state| [state.sequence, state.time]);
         let Command { force, is_running, is_over } = command;
         let order = Order { sequence: self.orders as f64, answers, force, is_running, is_over };
@@ -242,6 +264,105 @@ mod tests {
         }
         device.read(LocalTime(0)).unwrap();
         assert_eq!(std::iter::from_fn(|| device.poll_order()).count(), MOST_REQUESTS);
+    }
+
+    #[test]
+    fn law_a_stop_and_motors_that_may_not_act_count_in_every_row() {
+        for place in [10, 11, 12] {
+            let (robot, mut device) = Robot::pair();
+            for sequence in 1..4_u8 {
+                let flag = f64::from(u8::from((sequence == 2) == (place == 12)));
+                let mut row =
+                    [1.0, f64::from(sequence), 0.5, 0.1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0];
+                row[place] = flag;
+                robot.send_row(&super::super::protocol::bytes::<13, 104>(row));
+            }
+            let reading = device.read(LocalTime(0)).unwrap();
+            assert_eq!((reading.is_ready, reading.is_stopped), (place == 12, place == 12), "{place}");
+            let reading = device.read(LocalTime(0)).unwrap();
+            assert_eq!((reading.is_ready, reading.is_stopped), (true, false), "{place}");
+        }
+    }
+
+    #[test]
+    fn law_after_a_standstill_the_newest_row_counts() {
+        let (robot, mut device) = Robot::pair();
+        for sequence in 1..=200 {
+            let state = State {
+                sequence: f64::from(sequence),
+                time: 0.5,
+                motion: Motion { position: [f64::from(sequence), 0.0], velocity: [0.0; 2] },
+                measured_force: None,
+                is_enabled: true,
+                is_homed: true,
+                is_stopped: false,
+            };
+            robot.0.send(&state.encode()).unwrap();
+        }
+        std::thread::sleep(std::time::Duration::from_millis(50));
+        assert_eq!(device.read(LocalTime(0)).unwrap().motion.unwrap().position[0], 200.0);
+    }
+
+    #[test]
+    fn law_an_order_that_lets_go_finds_a_place_among_many() {
+        use crate::operator::Order::{Consent, Withdraw};
+        let (robot, mut device) = Robot::pair();
+        for sequence in 1..20 {
+            robot.0.send(&Request::encode(f64::from(sequence), 11.0, 7.0)).unwrap();
+        }
+        robot.0.send(&Request::encode(20.0, 2.0, 0.0)).unwrap();
+        robot.send_row(&Request::encode(21.0, 1.0, 0.0));
+        device.read(LocalTime(0)).unwrap();
+        let orders: Vec<_> = std::iter::from_fn(|| device.poll_order()).collect();
+        assert_eq!((orders.len(), orders.last()), (MOST_REQUESTS, Some(&Withdraw)));
+        assert!(!orders.contains(&Consent) && device.refused() == 13);
+    }
+
+    #[test]
+    fn law_a_device_that_goes_on_after_a_silence_repeats_no_order_and_one_started_anew_is_heard() {
+        use crate::operator::Order::{Clear, Consent};
+        let at = |milliseconds: i64| LocalTime(0) + Span(milliseconds * MILLISECOND.0);
+        let (robot, mut device) = Robot::pair();
+        let clear = Request::encode(9.0, 6.0, 0.0);
+        robot.send(5.0, 0.1, None);
+        robot.send_row(&clear);
+        device.read(at(0)).unwrap();
+        assert_eq!(device.poll_order(), Some(Clear));
+        for milliseconds in [101, 150] {
+            assert_eq!(device.read(at(milliseconds)), Err(Fault::Silent));
+        }
+        // the same program, which sends its last order again and again
+        robot.send_row(&clear);
+        robot.send(6.0, 0.1, None);
+        robot.send_row(&clear);
+        assert!(device.read(at(200)).is_ok());
+        assert_eq!(device.poll_order(), None);
+        assert_eq!(device.read(at(400)), Err(Fault::Silent));
+        // another one
+        robot.send(0.0, 0.1, None);
+        robot.send_row(&Request::encode(0.0, 1.0, 0.0));
+        assert!(device.read(at(500)).is_ok());
+        assert_eq!(device.poll_order(), Some(Consent));
+    }
+
+    #[test]
+    fn law_after_a_new_start_commands_are_newer_than_those_before() {
+        let robot = UdpSocket::bind("127.0.0.1:0").unwrap();
+        robot.set_read_timeout(Some(std::time::Duration::from_secs(2))).unwrap();
+        let mut newest = 0.0;
+        // sessions one after the other, the first with a command per 0.5 ms
+        for (start, commands, interval) in [(7, 2000, 500_000), (1_000_000_300, 5, 1_000_000)] {
+            let site = UdpSocket::bind("127.0.0.1:0").unwrap();
+            let mut device = UdpDevice::on(site, robot.local_addr().unwrap(), Span(100_000_000)).unwrap();
+            for number in 0..commands {
+                device.command(LocalTime(start + number * interval), Command::default());
+                let mut row = [0; 100];
+                let length = robot.recv(&mut row).unwrap();
+                let order = Order::decode(&row[..length]).unwrap();
+                assert!(order.sequence > newest, "{} after {newest}", order.sequence);
+                newest = order.sequence;
+            }
+        }
     }
 
     #[test]

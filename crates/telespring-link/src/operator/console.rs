@@ -1,9 +1,10 @@
 //! Orders from lines of text: a thread reads them and hands them to the loops through queues without locks.
 
 use std::io::BufRead;
-use std::thread::{Builder, JoinHandle};
+use std::thread::{Builder, JoinHandle, sleep};
+use std::time::Duration;
 
-use rtrb::{Consumer, Producer, RingBuffer};
+use rtrb::{Consumer, Producer, PushError, RingBuffer};
 
 use super::Order;
 
@@ -11,6 +12,8 @@ use super::Order;
 const CAPACITY: usize = 64;
 /// The longest line that is looked at, in bytes; a longer one is no order.
 const LONGEST: usize = 256;
+/// From one look to the next whether a loop has taken orders.
+const REST: Duration = Duration::from_millis(1);
 
 /// Reads orders from `lines`, one per line, on a thread of its own, until they end. One queue for each of `N` sides: a line
 /// may begin with the number of the side that it is for, from 1; without a number it is for all. Nothing waits for the
@@ -48,10 +51,20 @@ fn read(mut lines: impl BufRead, sides: &mut [Producer<Order>]) {
         let (only, order) = addressed(text.trim(), sides.len());
         for (side, queue) in (1..).zip(sides.iter_mut()) {
             if only.is_none_or(|only| only == side) {
-                // a loop that takes no orders for this long has ended
-                let _ = queue.push(order);
+                hand_over(queue, order);
             }
         }
+    }
+}
+
+/// Waits for room, so that no order is lost behind many others; gives up once the loop has ended.
+fn hand_over(queue: &mut Producer<Order>, mut order: Order) {
+    while let Err(PushError::Full(again)) = queue.push(order) {
+        if queue.is_abandoned() {
+            return;
+        }
+        order = again;
+        sleep(REST);
     }
 }
 
@@ -98,9 +111,17 @@ mod tests {
     use crate::operator::MarkKind;
 
     fn orders<const N: usize>(text: &[u8]) -> [Vec<Order>; N] {
-        let (thread, consumers) = listen::<N>(std::io::Cursor::new(text.to_vec())).unwrap();
-        thread.join().unwrap();
-        consumers.map(|mut consumer| std::iter::from_fn(|| consumer.pop().ok()).collect())
+        let (thread, mut consumers) = listen::<N>(std::io::Cursor::new(text.to_vec())).unwrap();
+        let mut all = [(); N].map(|()| Vec::new());
+        loop {
+            let is_over = thread.is_finished();
+            for (orders, consumer) in all.iter_mut().zip(&mut consumers) {
+                orders.extend(std::iter::from_fn(|| consumer.pop().ok()));
+            }
+            if is_over {
+                return all;
+            }
+        }
     }
 
     #[test]
@@ -124,8 +145,15 @@ mod tests {
         text.extend_from_slice(b"\n\xff\xfe\nconsent\n");
         let [only] = orders(&text);
         assert_eq!(only, [Order::Unknown, Order::Unknown, Order::Consent]);
-        // more than the queue holds
-        let [many] = orders("pause\n".repeat(1000).as_bytes());
-        assert_eq!(many.len(), CAPACITY);
+    }
+
+    #[test]
+    fn law_no_order_is_lost_behind_many_others_and_nobody_waits_for_a_loop_that_has_ended() {
+        let text = "mark note 7\n".repeat(1000) + "stop\n";
+        let [many] = orders(text.as_bytes());
+        assert_eq!((many.len(), many.last()), (1001, Some(&Order::Stop)));
+        let (thread, [consumer]) = listen::<1>(std::io::Cursor::new(text.into_bytes())).unwrap();
+        drop(consumer);
+        thread.join().unwrap();
     }
 }

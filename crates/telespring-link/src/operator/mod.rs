@@ -42,6 +42,11 @@ impl Order {
         }
     }
 
+    /// Whether it lets the force go: such an order comes before all others.
+    pub fn lets_go(self) -> bool {
+        matches!(self, Self::Withdraw | Self::Pause | Self::Stop)
+    }
+
     /// The order in a line of text, without the side that it is for.
     ///
     /// # Examples

@@ -218,8 +218,11 @@ impl<T: Transport> Probe<T> {
         }
     }
 
-    /// Sends a packet of a handle at rest.
+    /// Sends a packet of a handle at rest, unless the transport leaves it out.
     fn send(&mut self, now: LocalTime) {
+        if !self.transport.is_due() {
+            return;
+        }
         let newest = self.newest.filter(|(_, came)| *came <= now);
         let packet = Packet {
             flags: Flags::default(),

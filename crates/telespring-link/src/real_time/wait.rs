@@ -27,12 +27,16 @@ pub(super) fn wait(device: Option<BorrowedFd<'_>>, earliest: LocalTime, due: Loc
     loop {
         let left = (due - clock.now()).0.max(0);
         let limit = Timespec { tv_sec: left / 1_000_000_000, tv_nsec: left % 1_000_000_000 };
-        match poll(&mut [PollFd::new(&device, PollFlags::IN)], Some(&limit)) {
-            Ok(1..) => return Woken::Device,
+        let mut watched = [PollFd::new(&device, PollFlags::IN)];
+        match poll(&mut watched, Some(&limit)) {
+            Ok(_) if watched.iter().any(|device| device.revents().contains(PollFlags::IN)) => {
+                return Woken::Device;
+            }
             // a signal
             Err(_) if clock.now() < due => {}
             _ => {
-                // a limit is rounded: the clock has the last word
+                // a limit is rounded: the clock has the last word. So it has while the device's program is not there, which
+                // is an error of the socket, and no measurement.
                 clock.sleep_until(due);
                 return Woken::Clock;
             }
@@ -64,5 +68,19 @@ mod tests {
         let due = after(1);
         assert_eq!(wait(None, after(-1), due), Woken::Clock);
         assert!(clock.now() >= due);
+    }
+
+    #[test]
+    fn law_a_device_that_is_not_there_ends_no_wait() {
+        let clock = MonotonicClock;
+        let nobody = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+        let device = UdpSocket::bind("127.0.0.1:0").unwrap();
+        device.connect(nobody).unwrap();
+        device.send(b"command").unwrap();
+        let due = clock.now() + Span(20_000_000);
+        assert_eq!(wait(Some(device.as_fd()), clock.now(), due), Woken::Clock);
+        assert!(clock.now() >= due);
+        // the error was there all the time
+        assert!(device.take_error().unwrap().is_some());
     }
 }

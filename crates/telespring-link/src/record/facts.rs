@@ -54,7 +54,7 @@ impl Facts {
         ]);
         let Safety { silence, stall, ramp_out } = settings.safety;
         let limits = settings.limits;
-        let safety = record([
+        let mut safety = record([
             ("force", limits.force.to_string()),
             ("rise", limits.rise.to_string()),
             ("velocity", limits.velocity.to_string()),
@@ -65,6 +65,10 @@ impl Facts {
             ("stall_ns", stall.0.to_string()),
             ("ramp_out_ns", ramp_out.0.to_string()),
         ]);
+        for (axis, [least, most]) in ["x", "y"].into_iter().zip(limits.workspace) {
+            safety.insert(format!("workspace_{axis}_least"), least.to_string());
+            safety.insert(format!("workspace_{axis}_most"), most.to_string());
+        }
         let records =
             [("telespring", telespring), ("endpoint", endpoint(settings)), ("safety", safety)].into();
         Self { side, session, zero, study: study.to_toml(), records }

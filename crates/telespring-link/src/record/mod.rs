@@ -37,12 +37,16 @@ const CHUNK_SIZE: u64 = 1 << 20;
 /// The file of a recording while it is written.
 type Sink = McapWriterHandle<Watched<Box<dyn Write + Send>>>;
 
+/// Brings what was written to the medium, so that it outlives a loss of power.
+pub type SyncDisk = Box<dyn FnOnce() -> std::io::Result<()> + Send>;
+
 /// Writes a session to a file.
-#[derive(Debug)]
 pub struct Recorder {
     topics: Topics,
     /// `None` once it is closed or has broken off.
     sink: Option<Sink>,
+    /// What is done at the end.
+    sync: Option<SyncDisk>,
     status: Arc<Status>,
     zero: u64,
     flushed: Instant,
@@ -80,11 +84,23 @@ impl Recorder {
                 "Check its permissions, or give another folder.",
             )
         })?;
-        Ok(Self::on(Box::new(BufWriter::new(file)), path, facts))
+        let refuse = |error: std::io::Error| {
+            InvalidInput::new(field, path.display(), format!("a file ({error})"), "Give another folder.")
+        };
+        let (disk, entry) = (file.try_clone().map_err(refuse)?, File::open(folder).map_err(refuse)?);
+        // some file systems sync no folder: there the file's own sync must do
+        let _ = entry.sync_all();
+        let sync = move || disk.sync_all();
+        Ok(Self::on(Box::new(BufWriter::new(file)), Box::new(sync), path, facts))
     }
 
-    /// Begins a recording on a writer; `path` is what it is called.
-    pub fn on(writer: Box<dyn Write + Send>, path: PathBuf, facts: &Facts) -> (Self, Recording) {
+    /// Begins a recording on a writer, which `sync` brings to the medium in the end; `path` is what it is called.
+    pub fn on(
+        writer: Box<dyn Write + Send>,
+        sync: SyncDisk,
+        path: PathBuf,
+        facts: &Facts,
+    ) -> (Self, Recording) {
         let status = Arc::new(Status::default());
         let context = Context::new();
         let options = McapWriteOptions::new()
@@ -97,6 +113,7 @@ impl Recorder {
         let mut recorder = Self {
             topics: Topics::new(&context, facts.side, facts.zero),
             sink: None,
+            sync: Some(sync),
             status: Arc::clone(&status),
             zero: facts.zero,
             flushed: Instant::now(),
@@ -154,6 +171,12 @@ impl Recorder {
     }
 }
 
+impl std::fmt::Debug for Recorder {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.debug_struct("Recorder").field("status", &self.status).finish_non_exhaustive()
+    }
+}
+
 impl Observer for Recorder {
     fn name(&self) -> &'static str {
         "recording"
@@ -181,13 +204,21 @@ impl Observer for Recorder {
         }
         let missed = self.status.missed.load(Ordering::Relaxed).to_string();
         self.write(|sink| sink.write_metadata("end", [("missed".to_owned(), missed)].into()));
-        if let Some(sink) = self.sink.take() {
-            match sink.close().map(|mut writer| writer.flush()) {
-                Ok(_) => self.status.is_closed.store(true, Ordering::Release),
-                Err(error) => self.status.fail(error.to_string()),
-            }
+        if let Some(sink) = self.sink.take()
+            && let Err(trouble) = close(sink, self.sync.take())
+        {
+            self.status.fail(trouble);
         }
+        self.status.is_closed.store(true, Ordering::Release);
     }
+}
+
+/// Writes the end of a file, and brings all of it to the medium; the trouble if that fails. What could not be written is in the
+/// status already.
+fn close(sink: Sink, sync: Option<SyncDisk>) -> Result<(), String> {
+    let mut writer = sink.close().map_err(|error| error.to_string())?;
+    writer.flush().map_err(|error| error.to_string())?;
+    sync.map_or(Ok(()), |sync| sync().map_err(|error| error.to_string()))
 }
 
 /// The name of a file: date, site and session, so that no two are alike.

@@ -3,7 +3,11 @@
 use foxglove::messages::log::Level;
 use foxglove::messages::{FrameTransform, Log, Pose, PoseInFrame, Quaternion, Timestamp, Vector3};
 
+use telespring::session::EventKind;
+
 use super::messages::{Event, Pair};
+use crate::site::Happened;
+use crate::transport::PathEvent;
 
 /// The frame of the study's axes.
 const FRAME: &str = "study";
@@ -37,14 +41,14 @@ pub(super) fn frame(site: &str, date: u64) -> FrameTransform {
 }
 
 /// An event in words.
-pub(super) fn log(event: &Event, site: &str, zero: u64) -> Log {
+pub(super) fn log(event: &Event, level: Level, site: &str, zero: u64) -> Log {
     let message = match &event.cause {
         Some(cause) => format!("{}: {cause}", event.event),
         None => event.event.clone(),
     };
     Log {
         timestamp: Some(timestamp(zero.saturating_add(event.time))),
-        level: level(&event.event).into(),
+        level: level.into(),
         message,
         name: site.to_owned(),
         file: String::new(),
@@ -52,14 +56,74 @@ pub(super) fn log(event: &Event, site: &str, zero: u64) -> Log {
     }
 }
 
-/// How much an event matters.
-fn level(event: &str) -> Level {
+/// How much something matters to whoever reads the log.
+pub(super) fn level(happened: &Happened) -> Level {
+    match happened {
+        Happened::Disagreed(_)
+        | Happened::EmergencyStop { .. }
+        | Happened::NetworkPause(_)
+        | Happened::RecordingBroken => Level::Error,
+        Happened::Interrupted(_)
+        | Happened::ConsentLost
+        | Happened::OrderRefused { .. }
+        | Happened::Softened(_)
+        | Happened::DelayTooShort { .. } => Level::Warning,
+        Happened::Agreed { .. }
+        | Happened::Entered(_)
+        | Happened::Offset(_)
+        | Happened::Consented
+        | Happened::PartnerConsented
+        | Happened::Cleared
+        | Happened::Resumed
+        | Happened::Mark(_)
+        | Happened::Limiting(_)
+        | Happened::Unlimited(_)
+        | Happened::Restored
+        | Happened::Leaving(_)
+        | Happened::Ended(_) => Level::Info,
+        Happened::Path(event) => level_of_path(*event),
+        Happened::Session(kind) => level_of_session(kind),
+    }
+}
+
+fn level_of_path(event: PathEvent) -> Level {
     match event {
-        "holding" | "ramping-out" | "disengaged" | "partner-restarted" | "clock-stepped"
-        | "datagram-refused" | "path-changed" | "recording-missed" => Level::Warning,
-        "disagreed" | "impossible-value" | "impossible-force" | "path-lost" | "recording-broken" => {
-            Level::Error
+        PathEvent::Lost | PathEvent::Withheld | PathEvent::Refused => Level::Error,
+        PathEvent::Changed | PathEvent::Relayed | PathEvent::Rate { .. } => Level::Warning,
+        PathEvent::Direct => Level::Info,
+    }
+}
+
+fn level_of_session(kind: &EventKind) -> Level {
+    match kind {
+        EventKind::ImpossibleValue { .. } | EventKind::ImpossibleForce => Level::Error,
+        EventKind::PartnerFound { .. } | EventKind::RampingIn | EventKind::Engaged => Level::Info,
+        // what takes the force, or puts a clock or a packet in doubt
+        _ => Level::Warning,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use telespring::session::watchdog::Cause;
+
+    use super::*;
+    use crate::site::{Badness, Interruption};
+
+    #[test]
+    fn law_what_takes_the_force_stands_out_in_the_log() {
+        for (happened, expected) in [
+            (Happened::EmergencyStop { is_own: false }, Level::Error),
+            (Happened::NetworkPause(Badness::Loss), Level::Error),
+            (Happened::Interrupted(Interruption::PauseOrdered), Level::Warning),
+            (Happened::Softened(Badness::Loss), Level::Warning),
+            (Happened::Session(EventKind::Disengaged(Cause::Silence)), Level::Warning),
+            (Happened::Session(EventKind::ImpossibleForce), Level::Error),
+            (Happened::Path(PathEvent::Lost), Level::Error),
+            (Happened::Path(PathEvent::Direct), Level::Info),
+            (Happened::Consented, Level::Info),
+        ] {
+            assert_eq!(level(&happened), expected, "{happened:?}");
         }
-        _ => Level::Info,
     }
 }

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use foxglove::messages::log::Level;
 use foxglove::messages::{FrameTransform, Log, PoseInFrame};
 use foxglove::{Channel, Context, PartialMetadata};
 
@@ -89,19 +90,19 @@ impl Topics {
                 self.show(&tick);
             }
             Item::Arrival(arrival) => self.arrival.log_with_meta(&arrival.into(), self.date(time)),
-            Item::Event { happened, .. } => self.tell(&Event::new(time, happened)),
+            Item::Event { happened, .. } => self.tell(&Event::new(time, happened), scene::level(happened)),
         }
     }
 
     /// Says how many items found no room.
     pub fn miss(&self, count: u64) {
-        self.tell(&Event::missed(self.latest, count));
+        self.tell(&Event::missed(self.latest, count), Level::Warning);
     }
 
-    fn tell(&self, event: &Event) {
+    fn tell(&self, event: &Event, level: Level) {
         let date = self.date(event.time);
         self.event.log_with_meta(event, date);
-        self.log.log_with_meta(&scene::log(event, &self.site, self.zero), date);
+        self.log.log_with_meta(&scene::log(event, level, &self.site, self.zero), date);
     }
 
     /// Shows where the handles and the target are, if that is due.

@@ -4,6 +4,7 @@ use telespring::session::{LocalTime, WatchdogState, wire};
 
 use super::coupling::Coupling;
 use super::greeter::Heard;
+use super::round_trip::RoundTrips;
 use super::{Happened, Interruption, Phase, Site};
 use crate::clock::Clock;
 use crate::device::Device;
@@ -51,6 +52,7 @@ impl<D: Device, T: Transport> Site<D, T> {
             Heard::Agreed(session) => {
                 self.interrupt(now, Interruption::PartnerChanged);
                 self.accord.meet(greeting.stance.round);
+                self.round_trips = RoundTrips::default();
                 self.log.push(now, Happened::Agreed { session });
                 self.learn(now, greeting);
             }
@@ -103,12 +105,15 @@ impl<D: Device, T: Transport> Site<D, T> {
         }
         if self.coupling == Coupling::Off {
             self.tally.early_datagrams += 1;
+            self.passed_over.pass(packet.as_ref());
             return;
         }
         let is_taken = self.endpoint.handle_datagram(now, datagram).is_ok();
-        if is_taken {
+        let taken = packet.filter(|_| is_taken);
+        if let Some(taken) = &taken {
             self.heard = Some(now);
+            self.passed_over.take(taken);
         }
-        self.notes.arrive(now, datagram, packet.filter(|_| is_taken));
+        self.notes.arrive(now, datagram, taken);
     }
 }

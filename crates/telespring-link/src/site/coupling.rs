@@ -1,5 +1,6 @@
 //! Whether the two sides are coupled: when it begins, when it is interrupted, and when the session ends.
 
+use telespring::session::playout::PlayoutReport;
 use telespring::session::{LocalTime, Span, WatchdogState};
 
 use super::accord::Stage;
@@ -43,10 +44,13 @@ impl<D: Device, T: Transport> Site<D, T> {
                 self.end(now, cause);
             }
         }
-        if self.coupling != Coupling::Off {
-            if let Some(interruption) = self.motion.and_then(|motion| self.limits.broken(&motion)) {
+        if let Coupling::On { .. } = self.coupling {
+            let broken = self.motion.and_then(|motion| self.limits.broken(&motion, &self.travel));
+            if let Some(interruption) = broken {
                 self.interrupt(now, interruption);
             }
+        }
+        if self.coupling != Coupling::Off {
             return;
         }
         let there = self.accord.partner().and_then(|stance| stance.position);
@@ -78,6 +82,7 @@ impl<D: Device, T: Transport> Site<D, T> {
         {
             return self.end(now, Cause::Refused(disagreement));
         }
+        self.judge_device(now);
         let mut stage = self.stage(now);
         if matches!(self.coupling, Coupling::On { .. }) {
             if stage == Stage::Agreed {
@@ -90,7 +95,7 @@ impl<D: Device, T: Transport> Site<D, T> {
         if self.is_too_slow(now, stage) {
             return self.end(now, Cause::DelayRefused);
         }
-        self.see_to_consent(now, stage);
+        self.see_to_consent(stage);
         stage = self.stage(now);
         if self.coupling == Coupling::Off && stage == Stage::Agreed {
             self.couple(now);
@@ -108,7 +113,7 @@ impl<D: Device, T: Transport> Site<D, T> {
     }
 
     /// A consent ends where its grounds do; a simulated person gives one as soon as it can.
-    fn see_to_consent(&mut self, now: LocalTime, stage: Stage) {
+    fn see_to_consent(&mut self, stage: Stage) {
         let had = self.accord.own.has_consented;
         let has = match stage {
             Stage::Agreed => had,
@@ -118,7 +123,6 @@ impl<D: Device, T: Transport> Site<D, T> {
         if had != has {
             self.accord.own.has_consented = has;
             self.greeter.hurry();
-            self.log.push(now, if has { Happened::Consented } else { Happened::ConsentLost });
         }
     }
 
@@ -192,8 +196,12 @@ impl<D: Device, T: Transport> Site<D, T> {
         let is_silent = self.heard.is_some() && now - heard >= self.safety.silence;
         let age = self.endpoint.partner_age().filter(|_| self.endpoint.state() == WatchdogState::Engaged);
         let seen = Seen { heard, age, is_silent };
-        let (watch, endpoint) = (&mut self.watch, &self.endpoint);
-        match watch.judge(now, &seen, || endpoint.report().playout) {
+        let (watch, endpoint, passed_over) = (&mut self.watch, &self.endpoint, &self.passed_over);
+        let counts = || {
+            let playout = endpoint.report().playout;
+            PlayoutReport { lost: passed_over.lost(playout.lost), ..playout }
+        };
+        match watch.judge(now, &seen, counts) {
             Verdict::Same => {}
             Verdict::Soften(badness) => self.soften(now, badness),
             Verdict::Harden => self.log.push(now, Happened::Restored),
@@ -241,6 +249,9 @@ impl<D: Device, T: Transport> Site<D, T> {
     pub(super) fn part_for_good(&mut self, now: LocalTime) {
         if self.tally.coupled_ticks > 0 {
             self.leave(now, Cause::PartnerLeft);
+        } else if self.too_short_since.is_some() {
+            // it has found the same, a moment earlier
+            self.end(now, Cause::DelayRefused);
         } else {
             // nothing has begun yet: it may start anew
             self.greeter.forget();
@@ -278,7 +289,7 @@ impl<D: Device, T: Transport> Site<D, T> {
     }
 
     /// The share of the force that acts.
-    pub(super) fn share(&self, now: LocalTime) -> f64 {
+    fn share(&self, now: LocalTime) -> f64 {
         let falling = match self.coupling {
             Coupling::Off => 0.0,
             Coupling::On { .. } => 1.0,
@@ -296,7 +307,8 @@ impl<D: Device, T: Transport> Site<D, T> {
             return [0.0; 2];
         }
         let wanted = self.endpoint.force(now);
-        (self.notes.asked, self.notes.forces.wanted) = (Some(now), Some(wanted));
-        self.gate.pass(now, wanted, self.share(now))
+        let share = self.share(now);
+        (self.notes.asked, self.notes.forces.wanted, self.notes.share) = (Some(now), Some(wanted), share);
+        self.gate.pass(now, wanted, share)
     }
 }

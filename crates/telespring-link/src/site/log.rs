@@ -80,35 +80,96 @@ pub enum Happened {
     RecordingBroken,
 }
 
+/// Who can make something happen again and again.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Author {
+    /// The partner or the network.
+    There,
+    /// The people here, or the device, with orders.
+    Orders,
+    /// Nobody: it happens once, or at most a few times per second.
+    Nobody,
+}
+
+impl Happened {
+    fn author(&self) -> Author {
+        match self {
+            Self::Agreed { .. }
+            | Self::Disagreed(_)
+            | Self::Entered(_)
+            | Self::Offset(_)
+            | Self::Consented
+            | Self::ConsentLost
+            | Self::PartnerConsented
+            | Self::EmergencyStop { is_own: false }
+            | Self::DelayTooShort { .. }
+            | Self::Session(_)
+            | Self::Path(_) => Author::There,
+            Self::OrderRefused { .. } | Self::Mark(_) => Author::Orders,
+            _ => Author::Nobody,
+        }
+    }
+}
+
+/// How much of one author is logged: so much in a row, and one entry more with every fourth tick. The rest is counted.
+#[derive(Debug, Clone, Copy)]
+struct Allowance(u32);
+
+impl Allowance {
+    const ENTRY: u32 = 4;
+    const MOST: u32 = 512 * Self::ENTRY;
+
+    fn begin_tick(&mut self) {
+        self.0 = (self.0 + 1).min(Self::MOST);
+    }
+
+    /// Whether an entry is allowed.
+    fn take(&mut self) -> bool {
+        let left = self.0.checked_sub(Self::ENTRY);
+        self.0 = left.unwrap_or(self.0);
+        left.is_some()
+    }
+}
+
+/// Entries of the log that are kept for what neither the partner nor orders can bring about again and again.
+const RESERVED: usize = LOG_CAPACITY / 4;
 /// The most that happens between two ticks; the rest is in the log only.
 const NEWS_CAPACITY: usize = 256;
 
-/// What happened, and when.
+/// What happened, and when. Nobody can fill it, or keep what happens here out of it.
 #[derive(Debug, Clone)]
 pub struct Log {
     entries: Vec<(LocalTime, Happened)>,
     missed: u64,
     news: Vec<(LocalTime, Happened)>,
+    there: Allowance,
+    orders: Allowance,
 }
 
 impl Log {
     pub(super) fn new() -> Self {
-        let news = Vec::with_capacity(NEWS_CAPACITY);
-        Self { entries: Vec::with_capacity(LOG_CAPACITY), missed: 0, news }
+        let (news, whole) = (Vec::with_capacity(NEWS_CAPACITY), Allowance(Allowance::MOST));
+        Self { entries: Vec::with_capacity(LOG_CAPACITY), missed: 0, news, there: whole, orders: whole }
     }
 
     /// A tick begins.
     pub(super) fn begin_tick(&mut self) {
         self.news.clear();
+        self.there.begin_tick();
+        self.orders.begin_tick();
     }
 
     /// Adds an entry, if there is room. The last place is for the end.
     pub(super) fn push(&mut self, time: LocalTime, happened: Happened) {
-        if self.news.len() < NEWS_CAPACITY {
+        let (is_allowed, room) = match happened.author() {
+            Author::There => (self.there.take(), LOG_CAPACITY - RESERVED),
+            Author::Orders => (self.orders.take(), LOG_CAPACITY - RESERVED),
+            Author::Nobody => (true, LOG_CAPACITY - usize::from(!matches!(happened, Happened::Ended(_)))),
+        };
+        if is_allowed && self.news.len() < NEWS_CAPACITY {
             self.news.push((time, happened));
         }
-        let room = LOG_CAPACITY - usize::from(!matches!(happened, Happened::Ended(_)));
-        if self.entries.len() < room {
+        if is_allowed && self.entries.len() < room {
             self.entries.push((time, happened));
         } else {
             self.missed += 1;
@@ -125,7 +186,7 @@ impl Log {
         &self.news
     }
 
-    /// Entries for which there was no room.
+    /// Entries for which there was no room, or of which there were too many.
     pub fn missed(&self) -> u64 {
         self.missed
     }

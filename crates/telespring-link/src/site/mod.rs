@@ -15,10 +15,12 @@ mod force;
 mod greeter;
 mod limits;
 mod log;
+mod measuring;
 mod moment;
 mod notes;
 mod notices;
 mod orders;
+mod passed_over;
 mod phase;
 mod round_trip;
 mod settings;
@@ -38,6 +40,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rtrb::Consumer;
 use telespring::InvalidInput;
+use telespring::session::strategy::StrategyChoice;
 use telespring::session::{Endpoint, LocalTime, Motion, SessionReport, Span, WatchdogState};
 
 use crate::clock::Clock;
@@ -51,8 +54,10 @@ use coupling::Coupling;
 use fallback::Watch;
 use force::ForceGate;
 use greeter::Greeter;
+use limits::Travel;
 use notes::Notes;
 use notices::Notices;
+use passed_over::PassedOver;
 use round_trip::RoundTrips;
 
 /// From one greeting to the next.
@@ -86,14 +91,23 @@ pub struct Site<D, T> {
     too_short_since: Option<LocalTime>,
     /// When the next greeting or goodbye is due.
     greet_at: LocalTime,
-    /// The latest own motion.
+    /// The latest own motion, and how fast its positions change.
     motion: Option<Motion>,
+    travel: Travel,
     /// From the own handle to the partner's, m.
     offset: Option<[f64; 2]>,
     /// The partner's latest packet that the endpoint took.
     heard: Option<LocalTime>,
+    /// Packets that came while nothing was coupled.
+    passed_over: PassedOver,
+    /// Whether the own consent that was told last holds.
+    told_consent: bool,
+    /// When an impossible force of the device was told last.
+    impossible_force: Option<LocalTime>,
     /// Ticks that the strategy had limited before this one.
     limited_ticks: u64,
+    /// How long the machine had been suspended at the latest tick.
+    suspended: Option<Span>,
     /// Whether the emergency stop is pressed now.
     is_pressed: bool,
     orders: Option<Consumer<Order>>,
@@ -127,7 +141,12 @@ impl<D: Device, T: Transport> Site<D, T> {
         Ok(Self {
             device,
             transport,
-            gate: ForceGate::new(&limits, endpoint.sample_period, endpoint.computing_tick),
+            gate: ForceGate::new(
+                &limits,
+                endpoint.sample_period,
+                endpoint.computing_tick,
+                lag(&endpoint.strategy),
+            ),
             is_watched: endpoint.watchdog.is_some(),
             endpoint: Endpoint::new(endpoint)?,
             alignment: Alignment::new(rules.alignment, rules.rest, terms.side),
@@ -145,9 +164,14 @@ impl<D: Device, T: Transport> Site<D, T> {
             too_short_since: None,
             greet_at: LocalTime(0),
             motion: None,
+            travel: Travel::default(),
             offset: None,
             heard: None,
+            passed_over: PassedOver::default(),
+            told_consent: false,
+            impossible_force: None,
             limited_ticks: 0,
+            suspended: None,
             is_pressed: false,
             orders: None,
             log: Log::new(),
@@ -167,6 +191,8 @@ impl<D: Device, T: Transport> Site<D, T> {
         let now = clock.now();
         self.log.begin_tick();
         self.notes.begin();
+        let was_coupled = self.coupling != Coupling::Off;
+        self.judge_machine(now, clock.suspended());
         let reading = self.read(now);
         self.take_orders(now);
         if stop {
@@ -188,66 +214,13 @@ impl<D: Device, T: Transport> Site<D, T> {
         let commanded = clock.now();
         let is_over = self.phase == Phase::Ended;
         self.device.command(commanded, Command { force, is_running: self.phase.is_coupled(), is_over });
+        self.tell(now, was_coupled || self.coupling != Coupling::Off);
         self.collect(now, commanded, reading.as_ref(), force)
     }
 
     /// Whether the endpoint's force is zero. It must be before a coupling begins, so that the force begins from zero.
     fn is_resting(&self) -> bool {
         !self.is_watched || matches!(self.endpoint.state(), WatchdogState::Disengaged { .. })
-    }
-
-    /// Reads the device, and what it means for this side.
-    fn read(&mut self, now: LocalTime) -> Option<Reading> {
-        match self.device.read(now) {
-            Ok(reading) => {
-                self.is_pressed = reading.is_stopped;
-                if reading.is_stopped && !self.accord.own.is_stopped {
-                    self.accord.own.is_stopped = true;
-                    self.interrupt(now, Interruption::EmergencyStop);
-                    self.tell_stop(now, true);
-                }
-                let is_ready = reading.is_ready && !reading.is_stopped;
-                if self.accord.own.is_ready && !is_ready {
-                    self.interrupt(now, Interruption::DeviceNotReady);
-                }
-                self.accord.own.is_ready = is_ready;
-                self.motion = reading.motion.or(self.motion);
-                Some(reading)
-            }
-            Err(fault) => {
-                if fault.is_final() {
-                    self.end(now, Cause::Device(fault));
-                } else if self.accord.own.is_ready {
-                    self.interrupt(now, Interruption::Device(fault));
-                }
-                self.accord.own.is_ready = false;
-                self.motion = None;
-                None
-            }
-        }
-    }
-
-    fn tell_stop(&mut self, now: LocalTime, is_own: bool) {
-        self.tally.emergency_stops += 1;
-        self.log.push(now, Happened::EmergencyStop { is_own });
-    }
-
-    /// Gives the endpoint the own motion, and sends its packet.
-    fn measure(&mut self, now: LocalTime, reading: &Reading) {
-        let Some(motion) = reading.motion else { return };
-        let told = reading.acted.or_else(|| self.gate.acted());
-        if let Some(acted) = told {
-            self.endpoint.handle_acted(acted);
-        }
-        (self.notes.is_measured, self.notes.forces.told) = (true, told);
-        // A motion that cannot be is an event of the endpoint, and its watchdog sees to the force.
-        let _ = self.endpoint.handle_measurement(now, motion);
-        if let Some(target) = reading.target {
-            self.endpoint.handle_target(now, target);
-        }
-        if let Some(packet) = self.endpoint.poll_transmit(now) {
-            self.transport.send(now, &packet);
-        }
     }
 
     /// Sends the greetings that are due.
@@ -264,6 +237,27 @@ impl<D: Device, T: Transport> Site<D, T> {
         }
     }
 
+    /// Logs what happened elsewhere in this tick. While nothing is coupled, the silence of both is no event of the endpoint.
+    fn tell(&mut self, now: LocalTime, is_coupled: bool) {
+        while let Some(event) = self.endpoint.poll_event() {
+            if is_coupled {
+                self.log.push(event.time, Happened::Session(event.kind));
+            }
+        }
+        while let Some(event) = self.transport.poll_path() {
+            self.log.push(now, Happened::Path(event));
+        }
+        let consents = self.accord.own.has_consented;
+        // whoever leaves needs none any more
+        if std::mem::replace(&mut self.told_consent, consents) != consents && self.left.is_none() {
+            self.log.push(now, if consents { Happened::Consented } else { Happened::ConsentLost });
+        }
+        if self.recording_alarm.load(Ordering::Relaxed) && self.recording_alarm.swap(false, Ordering::Relaxed)
+        {
+            self.log.push(now, Happened::RecordingBroken);
+        }
+    }
+
     /// What there is to say of this tick.
     fn collect(
         &mut self,
@@ -272,20 +266,8 @@ impl<D: Device, T: Transport> Site<D, T> {
         reading: Option<&Reading>,
         force: [f64; 2],
     ) -> Moment {
-        while let Some(event) = self.endpoint.poll_event() {
-            // while nothing is coupled the silence of both is no event
-            if self.coupling != Coupling::Off {
-                self.log.push(event.time, Happened::Session(event.kind));
-            }
-        }
-        while let Some(event) = self.transport.poll_path() {
-            self.log.push(now, Happened::Path(event));
-        }
-        if self.recording_alarm.load(Ordering::Relaxed) && self.recording_alarm.swap(false, Ordering::Relaxed)
-        {
-            self.log.push(now, Happened::RecordingBroken);
-        }
-        let session = self.endpoint.snapshot();
+        let mut session = self.endpoint.snapshot();
+        session.playout.lost = self.passed_over.lost(session.playout.lost);
         let report = session.strategy;
         let is_coupled = self.phase.is_coupled();
         let is_limited = is_coupled && report.limited_ticks > self.limited_ticks;
@@ -303,7 +285,8 @@ impl<D: Device, T: Transport> Site<D, T> {
             target: reading.and_then(|reading| reading.target),
             force,
             balance: session.strategy.balance,
-            age: self.endpoint.partner_age(),
+            // while the endpoint is not asked, its age is that of an earlier time
+            age: self.notes.asked.and(self.endpoint.partner_age()),
             heard: self.heard,
             stamp: reading.and_then(|reading| reading.stamp),
             device_delay,
@@ -317,7 +300,7 @@ impl<D: Device, T: Transport> Site<D, T> {
             unnoted_arrivals: self.notes.unnoted,
             offset: self.offset.filter(|_| !is_coupled),
             consents: [self.accord.own.has_consented, self.accord.partner_consents()],
-            share: self.share(now),
+            share: self.notes.share,
             is_cut: self.gate.was_cut(),
         };
         self.tally.cut_ticks += u64::from(self.gate.was_cut());
@@ -359,7 +342,9 @@ impl<D: Device, T: Transport> Site<D, T> {
 
     /// The endpoint's report.
     pub fn session_report(&self) -> SessionReport {
-        self.endpoint.report()
+        let mut report = self.endpoint.report();
+        report.playout.lost = self.passed_over.lost(report.playout.lost);
+        report
     }
 
     /// The transport's report.
@@ -375,5 +360,13 @@ impl<D: Device, T: Transport> Site<D, T> {
     /// What becomes readable once the device has measured anew, if it has a pace of its own.
     pub fn device_pace(&self) -> Option<BorrowedFd<'_>> {
         self.device.pace()
+    }
+}
+
+/// The time constant of the motors that a strategy accounts for, s.
+fn lag(strategy: &StrategyChoice) -> f64 {
+    match strategy {
+        StrategyChoice::Guard(guard) => guard.account().settings().actuator_lag,
+        _ => 0.0,
     }
 }

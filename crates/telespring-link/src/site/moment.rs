@@ -28,7 +28,7 @@ pub struct Moment {
     pub force: [f64; 2],
     /// The energy in the account, J; `None` if the strategy keeps none.
     pub balance: Option<f64>,
-    /// The age of the partner's motion in use, s.
+    /// The age of the partner's motion in use, s; `None` while nothing is coupled.
     pub age: Option<f64>,
     /// When the partner's latest packet came.
     pub heard: Option<LocalTime>,
@@ -36,13 +36,13 @@ pub struct Moment {
     pub offset: Option<[f64; 2]>,
     /// Whether the person here consents, and the one there.
     pub consents: [bool; 2],
-    /// The share of the force that acts: below 1 while it is softened or let down.
+    /// The share of the endpoint's force that is let through: below 1 while it is softened or let down, 0 without a force.
     pub share: f64,
     /// Whether the force was cut to its limit.
     pub is_cut: bool,
     /// The device's stamp of its newest measurement.
     pub stamp: Option<Stamp>,
-    /// How much longer than ever the motion took from the device to the tick, s.
+    /// How much longer than the shortest lately the motion took from the device to the tick, s.
     pub device_delay: Option<f64>,
     /// Whether the endpoint was given the motion, and the target if there is one.
     pub is_measured: bool,
@@ -69,6 +69,18 @@ impl Moment {
         self.asked.and(self.session.partner)
     }
 
+    /// Whether the strategy changed the force of the spring at this tick.
+    pub fn is_limited(&self) -> bool {
+        // while the endpoint is not asked, what it has to say is of an earlier time
+        self.asked.is_some() && self.session.outgoing.limited
+    }
+
+    /// The stiffness that acts, N/m: that of the strategy, as far as watchdog and site let it through; 0 without a force.
+    pub fn stiffness_in_use(&self) -> f64 {
+        let acts = self.used_partner().is_some();
+        if acts { self.session.outgoing.stiffness * self.session.enabled * self.share } else { 0.0 }
+    }
+
     /// From the handle to the target while the session runs, m.
     pub fn distance(&self) -> Option<f64> {
         let (motion, target) = self.motion.zip(self.target).filter(|_| self.phase.is_coupled())?;
@@ -78,7 +90,8 @@ impl Moment {
 
     /// Where the time went, of a tick that began `lateness` after it was due.
     pub fn latency(&self, lateness: Span) -> Latency {
-        let network = self.newest.as_ref().and_then(|newest| transit(newest, self.session.clock.offset));
+        let newest = self.newest.as_ref().filter(|_| self.phase.is_coupled());
+        let network = newest.and_then(|newest| transit(newest, self.session.clock.offset));
         let used = self.used_partner();
         Latency {
             device: self.device_delay,

@@ -62,6 +62,8 @@ pub(super) struct Notes {
     /// Whether it was told the time alone.
     pub(super) is_timed: bool,
     pub(super) forces: Forces,
+    /// The share of the endpoint's force that was let through.
+    pub(super) share: f64,
     /// When the endpoint was asked for the force of this tick.
     pub(super) asked: Option<LocalTime>,
     pub(super) newest: Option<Newest>,
@@ -70,8 +72,38 @@ pub(super) struct Notes {
     /// How many arrivals may still be noted, and how many were not.
     allowance: u32,
     pub(super) unnoted: u64,
-    /// The shortest time from a measurement, by the device's clock, to its tick, s: the clocks' difference included.
-    least_delay: Option<f64>,
+    delays: Delays,
+}
+
+/// Over so long the shortest way from the device counts, once and a half on average: the two clocks drift apart.
+const WINDOW: Span = Span(5_000_000_000);
+
+/// The times from a measurement, by the device's clock, to its tick, s: the clocks' difference included.
+#[derive(Debug, Default)]
+struct Delays {
+    newest: Option<Stamp>,
+    /// When this window began, its least, and that of the window before.
+    began: LocalTime,
+    least: [Option<f64>; 2],
+}
+
+impl Delays {
+    /// Takes a stamp, and returns how much longer than the shortest lately its way was, s.
+    fn take(&mut self, now: LocalTime, stamp: Stamp) -> f64 {
+        if self.newest.is_some_and(|newest| stamp.sequence < newest.sequence || stamp.time < newest.time) {
+            // a device program that was started anew has another clock
+            *self = Self::default();
+        }
+        self.newest = Some(stamp);
+        let delay = now.seconds() - stamp.time;
+        let [least, before] = self.least;
+        if least.is_none() || now - self.began >= WINDOW {
+            (self.began, self.least) = (now, [Some(delay), least]);
+        } else {
+            self.least = [least.map(|least| least.min(delay)), before];
+        }
+        delay - self.least.into_iter().flatten().fold(delay, f64::min)
+    }
 }
 
 impl Notes {
@@ -81,19 +113,20 @@ impl Notes {
             is_measured: false,
             is_timed: false,
             forces: Forces::default(),
+            share: 0.0,
             asked: None,
             newest: None,
             arrivals: Vec::with_capacity(MOST_DATAGRAMS),
             allowance: MOST_NOTED,
             unnoted: 0,
-            least_delay: None,
+            delays: Delays::default(),
         }
     }
 
     /// The next tick begins.
     pub(super) fn begin(&mut self) {
         (self.is_measured, self.is_timed) = (false, false);
-        (self.forces, self.asked) = (Forces::default(), None);
+        (self.forces, self.share, self.asked) = (Forces::default(), 0.0, None);
         self.arrivals.clear();
         self.allowance = self.allowance.saturating_add(NOTED_PER_TICK).min(MOST_NOTED);
     }
@@ -129,21 +162,18 @@ impl Notes {
         });
     }
 
-    /// How much longer than ever the motion of this tick took from its measurement to the tick, s.
+    /// How much longer than the shortest lately the way of this tick's motion took from its measurement to the tick, s.
     pub(super) fn device_delay(&mut self, now: LocalTime, reading: &Reading) -> Option<f64> {
-        let Stamp { time, .. } = reading.stamp.filter(|stamp| stamp.time.is_finite())?;
+        let stamp = reading.stamp.filter(|stamp| stamp.time.is_finite())?;
         reading.motion?;
-        let delay = now.seconds() - time;
-        let least = self.least_delay.map_or(delay, |least| least.min(delay));
-        self.least_delay = Some(least);
-        Some(delay - least)
+        Some(self.delays.take(now, stamp))
     }
 }
 
 /// Where the time goes between the partner's measurement and the own force, s; `None` is not known.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Latency {
-    /// From the measurement by the own device to the tick, beyond the shortest of the session.
+    /// From the measurement by the own device to the tick, beyond the shortest of the last seconds.
     pub device: Option<f64>,
     /// From the time at which the tick was due to its command.
     pub control: f64,
@@ -216,19 +246,31 @@ mod tests {
     fn law_a_longer_way_from_the_device_is_seen_whatever_its_clock_reads() {
         let mut notes = Notes::new();
         let motion = Some(Motion { position: [0.0; 2], velocity: [0.0; 2] });
-        let mut after = |now, time| {
+        let mut sequence = 0.0;
+        let mut after = |now: f64, time, is_new| {
+            sequence = if is_new { 1.0 } else { sequence + 1.0 };
             let reading = Reading {
                 motion,
-                stamp: Some(Stamp { sequence: 1.0, time }),
+                stamp: Some(Stamp { sequence, time }),
                 acted: None,
                 target: None,
                 is_ready: true,
                 is_stopped: false,
             };
-            notes.device_delay(LocalTime(now), &reading)
+            notes.device_delay(LocalTime::from_seconds(now), &reading)
         };
-        assert_eq!(after(5_000_000_000, 1005.0), Some(0.0));
-        assert!((after(5_003_000_000, 1005.001).unwrap() - 0.002).abs() < 1e-9);
-        assert_eq!(after(5_003_000_000, f64::NAN), None);
+        assert_eq!(after(5.0, 1005.0, true), Some(0.0));
+        assert!((after(5.003, 1005.001, false).unwrap() - 0.002).abs() < 1e-9);
+        assert_eq!(after(5.003, f64::NAN, false), None);
+        // a device whose clock is slow by 100 ppm, for an hour, with a late row now and then
+        for tick in 1..36_000_u32 {
+            let seconds = f64::from(tick) * 0.1;
+            let late = if tick % 7 == 0 { 0.004 } else { 0.0 };
+            let shown = after(5.0 + seconds + late, 1005.0 + seconds * (1.0 - 1e-4), false).unwrap();
+            assert!(tick < 200 || (shown - late).abs() <= 1.1e-3, "{tick}: {shown}");
+        }
+        // its program is started anew, with another clock
+        assert_eq!(after(3610.0, 17.0, true), Some(0.0));
+        assert!((after(3610.004, 17.001, false).unwrap() - 0.003).abs() < 1e-9);
     }
 }

@@ -11,11 +11,13 @@ use crate::transport::Transport;
 const MOST_ORDERS: usize = 4;
 
 impl<D: Device, T: Transport> Site<D, T> {
-    /// Takes the orders that have come.
+    /// Takes the orders that have come, from console and device by turns: neither keeps the other from being heard.
     pub(super) fn take_orders(&mut self, now: LocalTime) {
-        for _ in 0..MOST_ORDERS {
-            let order = self.orders.as_mut().and_then(|orders| orders.pop().ok());
-            let Some(order) = order.or_else(|| self.device.poll_order()) else { return };
+        for turn in 0..MOST_ORDERS {
+            let device = if turn % 2 == 0 { self.device.poll_order() } else { None };
+            let console = || self.orders.as_mut().and_then(|orders| orders.pop().ok());
+            let order = device.or_else(console).or_else(|| self.device.poll_order());
+            let Some(order) = order else { return };
             if !self.take_order(now, order) {
                 self.log.push(now, Happened::OrderRefused { order, phase: self.phase });
             }
@@ -33,19 +35,15 @@ impl<D: Device, T: Transport> Site<D, T> {
                 if is_asked {
                     self.accord.own.has_consented = true;
                     self.greeter.hurry();
-                    self.log.push(now, Happened::Consented);
                 }
                 is_asked
             }
             Order::Withdraw => {
                 // whoever withdraws once is asked from then on
+                let was_given = self.rules.consent == Consent::Automatic || self.accord.own.has_consented;
                 self.rules.consent = Consent::Ordered;
-                let had = std::mem::replace(&mut self.accord.own.has_consented, false);
                 self.interrupt(now, Interruption::ConsentWithdrawn);
-                if had {
-                    self.log.push(now, Happened::ConsentLost);
-                }
-                had
+                was_given
             }
             Order::Pause => {
                 let is_news = !std::mem::replace(&mut self.accord.own.is_paused, true);

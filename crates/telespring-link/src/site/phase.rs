@@ -3,7 +3,7 @@
 use crate::device::Fault;
 use crate::hello::Disagreement;
 
-/// The state of a live session. Only in the last but one row of `docs/connect.md`'s table does a force act.
+/// The state of a live session: the table in `docs/connect.md`. A force acts in three of them ([`Phase::is_coupled`]).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Phase {
     /// The two sides do not hear each other, or do not agree on the terms.
@@ -119,6 +119,8 @@ pub enum Interruption {
     DeviceNotReady,
     /// The device failed.
     Device(Fault),
+    /// The machine was suspended: nobody knows what happened meanwhile.
+    Suspended,
     /// The partner paused, stopped, withdrew its consent, or has a device that is not ready.
     Partner,
     /// The partner's program started anew.
@@ -137,6 +139,7 @@ impl Interruption {
             Self::EmergencyStop => "emergency-stop",
             Self::DeviceNotReady => "device-not-ready",
             Self::Device(fault) => fault.word(),
+            Self::Suspended => "suspended",
             Self::Partner => "partner",
             Self::PartnerChanged => "partner-changed",
         }
@@ -144,7 +147,14 @@ impl Interruption {
 
     /// Whether the force is zero at once; otherwise it falls along a ramp.
     pub(super) fn is_sudden(self) -> bool {
-        matches!(self, Self::EmergencyStop | Self::DeviceNotReady | Self::Device(_) | Self::PartnerChanged)
+        matches!(
+            self,
+            Self::EmergencyStop
+                | Self::DeviceNotReady
+                | Self::Device(_)
+                | Self::Suspended
+                | Self::PartnerChanged
+        )
     }
 
     /// Whether this side stays paused until somebody here says otherwise.

@@ -13,8 +13,8 @@ use crate::hello::Terms;
 pub struct Safety {
     /// The force is zero this long after the partner's last packet.
     pub silence: Span,
-    /// How long the force stays while the own device, or the loop itself, stands still; then it ramps out. A device holds
-    /// its last force meanwhile, so the energy account stays exact.
+    /// How long the force stays while the own device, or the loop itself, stands still; then it ramps out. Whether the device
+    /// holds its last force meanwhile nobody knows, so the energy account takes the worst.
     pub stall: Span,
     /// From full to zero force when a coupling ends.
     pub ramp_out: Span,

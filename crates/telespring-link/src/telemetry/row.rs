@@ -94,7 +94,6 @@ impl Frame {
         let is_coupled = moment.phase.is_coupled();
         let used = moment.used_partner();
         let clock = moment.session.clock;
-        let outgoing = moment.session.outgoing;
         let latency = moment.latency(lateness);
         let mut row = [f64::NAN; VALUES];
         let mut places = row.iter_mut();
@@ -113,8 +112,8 @@ impl Frame {
         put(&pair(moment.forces.measured));
         put(&[
             self.stiffness,
-            known(is_coupled.then_some(outgoing.stiffness)),
-            known(is_coupled.then(|| f64::from(u8::from(outgoing.limited)))),
+            moment.stiffness_in_use(),
+            known(is_coupled.then(|| f64::from(u8::from(moment.is_limited())))),
             known(moment.balance),
             known(moment.age),
         ]);
@@ -154,6 +153,7 @@ pub(super) mod tests {
         let packet = Packet::of(4, PeerTime(1_000_000_000), partner.played);
         let session = SessionSnapshot {
             partner: Some(partner),
+            enabled: 1.0,
             outgoing: Outgoing { stiffness: 17.0, limited: true, ..Outgoing::default() },
             clock: ClockReport {
                 round_trip: Some(Span(18_000_000_000)),
@@ -282,6 +282,18 @@ pub(super) mod tests {
         assert!(row[COLUMNS.len()..].iter().all(|value| value.is_nan()));
     }
 
+    /// Place, name and bytes of a row: `tests/telemetry_row.txt`, from which the tests of the drivers in Python read the same.
+    #[test]
+    fn law_a_row_has_the_bytes_that_the_drivers_read() {
+        let row = frame().row(&moment(), Span(250_000));
+        let lines = row.iter().enumerate().map(|(place, value)| {
+            let name = COLUMNS.get(place).map_or("not used", |(name, _)| name);
+            let bytes: String = value.to_le_bytes().iter().map(|byte| format!("{byte:02x}")).collect();
+            format!("{place} {name}: {bytes}\n")
+        });
+        assert_eq!(lines.collect::<String>(), include_str!("../../../../tests/telemetry_row.txt"));
+    }
+
     #[test]
     fn law_what_is_not_known_is_no_number() {
         let moment = Moment {
@@ -310,6 +322,7 @@ pub(super) mod tests {
                 "force x",
                 "force y",
                 "stiffness wanted",
+                "stiffness in use",
                 "lateness",
                 "interval",
                 "missed",

@@ -23,6 +23,10 @@ impl<T: Transport> Emulated<T> {
 }
 
 impl<T: Transport> Transport for Emulated<T> {
+    fn is_due(&mut self) -> bool {
+        self.inner.is_due()
+    }
+
     fn send(&mut self, now: LocalTime, datagram: &[u8]) {
         self.inner.send(now, datagram);
     }

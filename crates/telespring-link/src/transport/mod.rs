@@ -85,6 +85,12 @@ pub struct TransportReport {
 
 /// Datagrams to and from one partner.
 pub trait Transport {
+    /// Whether it is the next packet's turn. Ask once per packet that could be sent: one that is left out has no sequence number,
+    /// so that the partner does not take it for lost. Greetings need not ask.
+    fn is_due(&mut self) -> bool {
+        true
+    }
+
     /// Sends a datagram. What cannot go out at once is lost: a later one is worth more.
     fn send(&mut self, now: LocalTime, datagram: &[u8]);
 
@@ -101,6 +107,10 @@ pub trait Transport {
 }
 
 impl<T: Transport + ?Sized> Transport for Box<T> {
+    fn is_due(&mut self) -> bool {
+        (**self).is_due()
+    }
+
     fn send(&mut self, now: LocalTime, datagram: &[u8]) {
         (**self).send(now, datagram);
     }

@@ -10,6 +10,7 @@ use telespring::session::wire::LENGTH;
 use telespring::session::{LocalTime, Motion, Span};
 use telespring::study::Study;
 use telespring_link::clock::Clock;
+use telespring_link::demo::ROBOTS;
 use telespring_link::device::{Command, Device, Fault, Reading};
 use telespring_link::hello::MAGIC;
 use telespring_link::operator::Order;
@@ -22,20 +23,20 @@ pub const PERIOD: Span = Span(1_000_000);
 
 /// The paper's two robots with these further lines of a study.
 pub fn hman_study(lines: &str) -> Study {
-    let text = format!(
-        "robot1 = {{axes = [\"x\", \"y\"], mass = [0.8334, 1.0649], damping = [7.7257, 10.1168]}}\n\
-         robot2 = {{axes = [\"x\", \"y\"], mass = [0.7776, 1.3407], damping = [7.4208, 9.3496]}}\n{lines}"
-    );
-    Study::from_toml(&text).unwrap()
+    Study::from_toml(&format!("{ROBOTS}{lines}")).unwrap()
 }
 
-/// A clock that stands still until it is set.
+/// A clock that stands still until it is set, and for how long the machine has been suspended.
 #[derive(Debug, Clone, Default)]
-pub struct VirtualClock(pub Rc<Cell<u64>>);
+pub struct VirtualClock(pub Rc<Cell<u64>>, pub Rc<Cell<i64>>);
 
 impl Clock for VirtualClock {
     fn now(&self) -> LocalTime {
         LocalTime(self.0.get())
+    }
+
+    fn suspended(&self) -> Span {
+        Span(self.1.get())
     }
 }
 
@@ -46,6 +47,9 @@ pub struct Wire {
     /// The way of greetings: never within the tick, so that both sides hear alike, whichever ticks first.
     greetings: [Box<dyn Channel>; 2],
     pub is_cut: [bool; 2],
+    /// Of how many packets each side sends one, and the turn.
+    pub every: [u64; 2],
+    turn: [u64; 2],
     /// Datagrams of any length and content that arrive beside the partner's.
     pub injected: [Vec<Vec<u8>>; 2],
     /// The latest datagram towards each side.
@@ -64,12 +68,26 @@ pub fn wire(travel: Span) -> [End; 2] {
     let towards = [0, 1].map(|side| NetworkModel::ideal().channel(travel, 1, side));
     let greetings = [0, 1].map(|side| NetworkModel::ideal().channel(travel.max(PERIOD), 1, side));
     let injected = [Vec::new(), Vec::new()];
-    let wire = Wire { towards, greetings, is_cut: [false; 2], injected, latest: [None; 2] };
+    let wire = Wire {
+        towards,
+        greetings,
+        is_cut: [false; 2],
+        every: [1; 2],
+        turn: [0; 2],
+        injected,
+        latest: [None; 2],
+    };
     let wire = Rc::new(RefCell::new(wire));
     [0, 1].map(|side| End { side, wire: Rc::clone(&wire) })
 }
 
 impl Transport for End {
+    fn is_due(&mut self) -> bool {
+        let mut wire = self.wire.borrow_mut();
+        wire.turn[self.side] += 1;
+        wire.turn[self.side].is_multiple_of(wire.every[self.side])
+    }
+
     fn send(&mut self, now: LocalTime, datagram: &[u8]) {
         let (mut wire, there) = (self.wire.borrow_mut(), 1 - self.side);
         let datagram: [u8; LENGTH] = datagram.try_into().unwrap();
@@ -105,6 +123,8 @@ pub struct Script {
     pub position: [f64; 2],
     pub velocity: [f64; 2],
     pub is_measured: bool,
+    /// The force that the device says has acted, N.
+    pub acted: Option<[f64; 2]>,
     pub is_ready: bool,
     pub is_stopped: bool,
     /// An order given at the device.
@@ -120,6 +140,7 @@ impl Default for Script {
             position: [0.0; 2],
             velocity: [0.0; 2],
             is_measured: true,
+            acted: None,
             is_ready: true,
             is_stopped: false,
             order: None,
@@ -147,9 +168,9 @@ impl Device for Scripted {
         if let Some(fault) = script.fault {
             return Err(fault);
         }
-        let Script { position, velocity, is_measured, is_ready, is_stopped, .. } = script;
+        let Script { position, velocity, is_measured, acted, is_ready, is_stopped, .. } = script;
         let motion = is_measured.then_some(Motion { position, velocity });
-        Ok(Reading { motion, stamp: None, acted: None, target: None, is_ready, is_stopped })
+        Ok(Reading { motion, stamp: None, acted, target: None, is_ready, is_stopped })
     }
 
     fn command(&mut self, _: LocalTime, command: Command) {
@@ -214,7 +235,7 @@ impl Pair {
         devices[1].change(|script| script.position = [0.02, 0.0]);
         let sites = [0, 1]
             .map(|side| Some(Self::site(studies[side], side, 11 + side as u64, &adjust, &devices, &ends)));
-        let clock = VirtualClock(Rc::new(Cell::new(5_000_000_000)));
+        let clock = VirtualClock(Rc::new(Cell::new(5_000_000_000)), Rc::default());
         Self { adjust, clock, ends, devices, sites, stop: [false; 2], moments: [None; 2] }
     }
 

@@ -85,7 +85,7 @@ impl Dyad {
     pub fn new(study: &Study) -> Self {
         let laboratory = study.laboratory().unwrap();
         let delay = Span::from_seconds(study.network().unwrap().delay().forward());
-        let truth = VirtualClock(Rc::new(Cell::new(100_000_000_000)));
+        let truth = VirtualClock(Rc::new(Cell::new(100_000_000_000)), Rc::default());
         let (tongue, victim) = (Rc::default(), Rc::default());
         let mut sides = wire(delay - PERIOD).into_iter();
         let sites = [0, 1].map(|side| {

@@ -8,7 +8,8 @@ use telespring::session::Span;
 use telespring_link::keys::SiteKey;
 use telespring_link::transport::{Iroh, IrohSettings};
 
-use super::{Live, STUDY};
+use super::sites::over_iroh;
+use super::{Live, study_text};
 use crate::netns::{Joined, Path, Started, Way, at};
 
 /// Where both sites listen.
@@ -32,8 +33,8 @@ impl Known {
         let name = format!("namespaces-{}-{seed}", std::process::id());
         let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
         fs::create_dir_all(&folder).unwrap();
-        fs::write(folder.join("study.toml"), STUDY).unwrap();
-        let keys = [0, 1].map(|side| SiteKey::create(&folder.join(format!("{side}.key"))).unwrap());
+        fs::write(folder.join("study.toml"), study_text()).unwrap();
+        let keys = [1, 2].map(|side| SiteKey::create(&folder.join(format!("{side}.key"))).unwrap());
         let settings = [0, 1].map(|side: usize| IrohSettings {
             key: keys[side].clone(),
             peer_ids: vec![keys[1 - side].id()],
@@ -53,7 +54,7 @@ impl Known {
     /// Starts the site of side 0 or 1 on a thread.
     pub fn start(&self, side: usize) -> Live {
         let settings = self.settings[side].clone();
-        Live::start(&self.joined, side, STUDY, self.silence, move || Iroh::new(&settings).unwrap())
+        Live::start(&self.joined, side, &study_text(), self.silence, move || Iroh::new(&settings).unwrap())
     }
 
     /// Both on threads, engaged.
@@ -66,15 +67,13 @@ impl Known {
     /// Starts the program `telespring-link run` as the site of side 0 or 1, for this long at most, s. Its summary is its output.
     pub fn program(&self, side: usize, seconds: f64) -> Started {
         let number = side + 1;
+        let peer_id = self.settings[side].peer_ids[0].to_string();
         let text = format!(
-            "study = \"study.toml\"\nside = {number}\n\n\
-             [network]\ntransport = \"iroh\"\nkey = \"{side}.key\"\npeer_id = \"{}\"\npeer = \"{}\"\nlocal = \"{}\"\n\n\
+            "{}\n\
              [safety]\nstall = 0.1\n\n[session]\nalignment = 10.0\nrest = 10.0\n\n\
              [fallback]\nloss = 1.0\nheld = 1.0\nage = 60.0\nsoftened = 1.0\npatience = 600.0\nsilence = {}\n\n\
              [loop]\npriority = 10\nlock_memory = false\n",
-            self.settings[side].peer_ids[0],
-            at(1 - side, PORT),
-            at(side, PORT),
+            over_iroh("study.toml", number, &peer_id, at(side, PORT), at(1 - side, PORT)),
             self.silence.seconds(),
         );
         let site = self.folder.join(format!("site-{number}.toml"));

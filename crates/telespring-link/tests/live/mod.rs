@@ -3,6 +3,8 @@
 #![allow(dead_code, reason = "every test uses its part")]
 
 mod known;
+#[path = "../sites/mod.rs"]
+mod sites;
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -14,6 +16,7 @@ use rtrb::{Producer, RingBuffer};
 use telespring::session::{Span, WatchdogState};
 use telespring::study::Study;
 use telespring_link::conduct::{Plan, conduct};
+use telespring_link::demo::ROBOTS;
 use telespring_link::device::Simulated;
 use telespring_link::hello::draw_session;
 use telespring_link::operator::Order;
@@ -47,17 +50,16 @@ fn rules(silence: Span) -> Rules {
 /// No test waits longer for anything.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// The paper's robots behind the guard.
-pub const STUDY: &str = "\
-robot1 = {axes = [\"x\", \"y\"], mass = [0.8334, 1.0649], damping = [7.7257, 10.1168]}
-robot2 = {axes = [\"x\", \"y\"], mass = [0.7776, 1.3407], damping = [7.4208, 9.3496]}
-coupling.stiffness = 142
-network.delay = 0.02
-session = {strategy = \"guard\", playout = \"adaptive\"}
-";
+/// The paper's robots behind the guard, as a study writes them.
+pub fn study_text() -> String {
+    format!(
+        "{ROBOTS}coupling.stiffness = {STIFFNESS}\nnetwork.delay = 0.02\n\
+         session = {{strategy = \"guard\", playout = \"adaptive\"}}\n"
+    )
+}
 
 pub fn study() -> Study {
-    Study::from_toml(STUDY).unwrap()
+    Study::from_toml(&study_text()).unwrap()
 }
 
 /// What the thread of a site tells the test, and is told.

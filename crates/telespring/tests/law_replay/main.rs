@@ -4,8 +4,8 @@ mod live;
 
 use live::{LARGEST, Mover, SESSIONS, Side, endpoints, live, study};
 use telespring::rig::replay::{
-    Acted, RecordedArrival, RecordedSite, RecordedTick, ReplaySettings, ReplayedSite, replay_pair,
-    replay_site,
+    Acted, ForceLimits, RecordedArrival, RecordedSite, RecordedTick, ReplaySettings, ReplayedSite,
+    replay_pair, replay_site,
 };
 use telespring::session::{EventKind, LocalTime, Motion, Packet};
 use telespring::study::Study;
@@ -34,7 +34,8 @@ fn study_of(lines: &str) -> Study {
 }
 
 fn settings(study: &Study, acted: Acted) -> [ReplaySettings; 2] {
-    endpoints(study).map(|endpoint| ReplaySettings { endpoint, acted, largest_force: LARGEST })
+    let limits = ForceLimits { largest: LARGEST, ..ForceLimits::NONE };
+    endpoints(study).map(|endpoint| ReplaySettings { endpoint, acted, limits })
 }
 
 /// Asserts that a replay is the live site, bit for bit.
@@ -114,6 +115,27 @@ fn cross_another_strategy_is_what_its_endpoints_make_of_the_motion() {
 }
 
 #[test]
+fn law_the_force_of_a_replay_grows_no_steeper_than_its_site_lets_it() {
+    let study = study_of(SESSIONS_OF_STUDIES[0]);
+    let sites = live(&study, TICKS, &Mover::Robots);
+    let rise = 15.0;
+    let limits = ForceLimits { largest: LARGEST, rise };
+    let settings = settings(&study, Acted::Replayed).map(|settings| ReplaySettings { limits, ..settings });
+    let (mut slowed, mut fell) = (0, 0);
+    for replayed in replay_pair(settings, [&sites[0].given, &sites[1].given]).unwrap() {
+        for pair in replayed.ticks.windows(2) {
+            let [before, now] = [pair[0].force, pair[1].force].map(|[x, y]| x.hypot(y));
+            // two sample periods at most count as elapsed
+            assert!(now <= before + rise * 0.002 + 1e-12, "{before} {now}");
+            let wanted = pair[1].wanted[0].hypot(pair[1].wanted[1]);
+            slowed += usize::from(now > 0.0 && now < 0.999 * wanted.min(LARGEST));
+            fell += usize::from(before - now > rise * 0.002);
+        }
+    }
+    assert!(slowed > 100 && fell > 0, "{slowed} {fell}");
+}
+
+#[test]
 fn law_what_the_partner_has_not_recorded_stays_as_it_came() {
     let study = study_of(SESSIONS_OF_STUDIES[1]);
     let sites = live(&study, TICKS, &Mover::Robots);
@@ -161,7 +183,7 @@ fn law_impossible_recordings_are_refused() {
     assert_eq!(field(vec![at(5), at(6)], vec![arrival(1), arrival(0)]), "arrivals[1].tick");
     let study = study_of(SESSIONS_OF_STUDIES[0]);
     let empty = RecordedSite::new(vec![], vec![]).unwrap();
-    let [mut one, two] = settings(&study, Acted::Recorded);
+    let [one, two] = settings(&study, Acted::Recorded);
     let twice = replay_pair([one.clone(), one.clone()], [&empty, &empty]).unwrap_err();
     assert_eq!(twice.field, "session");
     // each side has heard what the other sends only later
@@ -174,6 +196,7 @@ fn law_impossible_recordings_are_refused() {
     let still = Motion { position: [0.0; 2], velocity: [0.0; 2] };
     let pair = [&early(SESSIONS[1], still, 20), &early(SESSIONS[0], still, 20)];
     assert_eq!(replay_pair([one.clone(), two], pair).unwrap_err().field, "arrivals");
-    one.largest_force = f64::NAN;
-    assert_eq!(replay_site(one, &empty).unwrap_err().field, "largest_force");
+    let field = |limits| replay_site(ReplaySettings { limits, ..one.clone() }, &empty).unwrap_err().field;
+    assert_eq!(field(ForceLimits { largest: f64::NAN, ..ForceLimits::NONE }), "largest_force");
+    assert_eq!(field(ForceLimits { rise: 0.0, ..ForceLimits::NONE }), "steepest_rise");
 }

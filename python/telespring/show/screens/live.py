@@ -13,10 +13,10 @@ from telespring.connection import Line, LiveSession, Side
 from telespring.show.live_words import describe_event, describe_limits, describe_phase, describe_watchdog
 from telespring.show.quantities import format_number, format_time
 
-__all__ = ["KEYS", "event_line", "live_screen", "status_line"]
+__all__ = ["KEYS", "event_line", "live_screen", "marker_line", "status_line"]
 
 #: What the keys do, in the order in which they are shown.
-KEYS = "p pause  r resume  c consent  w withdraw  s stop  x clear stop  Ctrl-C leave"
+KEYS = "p pause  r resume  c consent  w withdraw  s stop  x clear  m mark  Ctrl-C leave"
 
 #: After this time without a word a side counts as silent, s.
 _SILENT = 1.0
@@ -49,6 +49,12 @@ def live_screen(
     parts += [event_line(event, is_alone=len(sides) < 2) for event in list(session.events)[-room:]]
     parts.append(Text(keys, style="dim"))
     return Group(*parts)
+
+
+def marker_line(typed: str) -> str:
+    """Write the marker that is being typed, and how to go on, in place of the keys."""
+    hint = "trial, condition, participant or note, and a text; Enter sets it, Esc leaves"
+    return f"mark {typed}_\n{hint}"
 
 
 def _table(sides: Sequence[Side], now: float) -> Table:

@@ -9,8 +9,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from telespring.connection import Line, LiveSession
-from telespring.connection.outcome import recording_path
+from telespring.connection import Line, LiveSession, recording_path
 from telespring.show.live_words import describe_cause, describe_event
 from telespring.show.quantities import format_count, format_number
 from telespring.show.screens.layout import fitting_table
@@ -34,7 +33,7 @@ def live_outcome_screen(console: Console, session: LiveSession) -> None:
     for site in sites:
         path = recording_path(site)
         if path is not None:
-            console.print(Text(f"Recording: {path}"))
+            console.print(_recording(path, site["recording"]))
 
 
 _ROWS: tuple[tuple[str, tuple[str, ...], float, str], ...] = (
@@ -45,6 +44,10 @@ _ROWS: tuple[tuple[str, tuple[str, ...], float, str], ...] = (
     ("loop late, 99 % within", ("lateness", "quantile_99"), 1e3, "ms"),
     ("ticks missed", ("lateness", "overruns"), 1.0, ""),
     ("force changed", ("limited_share",), 1e2, "%"),
+    ("  cut at a limit", ("cut_share",), 1e2, "%"),
+    ("  softened", ("softened_share",), 1e2, "%"),
+    ("interruptions", ("interruptions",), 1.0, ""),
+    ("emergency stops", ("emergency_stops",), 1.0, ""),
     ("largest force", ("largest_force",), 1.0, "N"),
     ("energy account, least", ("energy", "least_balance"), 1e3, "mJ"),
     ("mean error (TE)", ("te",), 1e3, "mm"),
@@ -72,11 +75,13 @@ def _sentence(site: Line) -> str:
     if site.get("disagreement"):
         ended += f" on: {site['disagreement']}"
     parts = [f"coupled for {coupled:.1f} of {seconds:.1f} s; then {ended}."]
-    limited = _value(site, ["limited_share"])
-    if limited:
-        share = f"{format_number(1e2 * limited, 2)} %"
-        parts.append(f"The coupling held the spring's force back in {share} of the ticks.")
-    elif limited is not None:
+    shares = {what: _value(site, [key]) for key, what in _HELD_BACK.items()}
+    parts += [
+        f"{what} in {format_number(1e2 * share, 2)} % of the ticks."
+        for what, share in shares.items()
+        if share
+    ]
+    if shares[_HELD_BACK["limited_share"]] is not None and not any(shares.values()):
         parts.append("Nothing held the spring's force back.")
     troubles = _troubles(site)
     if troubles:
@@ -87,17 +92,62 @@ def _sentence(site: Line) -> str:
     return " ".join(parts)
 
 
+#: What kept the force from being that of the spring, by its share of the ticks.
+_HELD_BACK = {
+    "limited_share": "The coupling held the spring's force back",
+    "cut_share": "A limit of the force cut it",
+    "softened_share": "A bad network softened it",
+}
+#: Events that somebody should know of, and causes of an interruption that people wanted.
+_TROUBLES = {
+    "clock-stepped",
+    "delay-too-short",
+    "emergency-stop",
+    "impossible-force",
+    "impossible-value",
+    "interrupted",
+    "network-pause",
+    "partner-restarted",
+    "path-lost",
+    "path-refused",
+    "path-withheld",
+    "ramping-out",
+    "recording-broken",
+}
+_WANTED = {"pause-ordered", "consent-withdrawn", "partner"}
+
+
 def _troubles(site: Line) -> list[str]:
-    """Count what the watchdog did beside beginning and ending."""
+    """Count what happened beside beginning and ending."""
     counts: dict[str, int] = {}
     for event in site.get("events", []):
-        is_trouble = event.get("event") in {"ramping-out", "path-lost", "impossible-force", "clock-stepped"}
-        if is_trouble:
+        if event.get("event") in _TROUBLES and event.get("cause") not in _WANTED:
             text = describe_event(event)
             counts[text] = counts.get(text, 0) + 1
     if str(site.get("cause")) not in _ORDERLY and site.get("cause"):
         counts.setdefault(describe_cause(str(site["cause"])), 1)
     return [f"{text} ({format_count(count, 'time')})" for text, count in counts.items()]
+
+
+def _recording(path: str, recording: object) -> Text:
+    """Say where a recording is, and what is not in it."""
+    facts = recording if isinstance(recording, dict) else {}
+    troubles = []
+    status = facts.get("status")
+    if status not in (None, "complete"):
+        cause = facts.get("cause")
+        troubles.append(f"{_plain(status)}: {_plain(cause)}" if cause else _plain(status))
+    missed = facts.get("missed")
+    if isinstance(missed, int) and missed > 0:
+        troubles.append(f"{format_count(missed, 'item')} missed")
+    if not troubles:
+        return Text(f"Recording: {path}")
+    return Text(f"Recording: {path} ({'; '.join(troubles)})", style="yellow")
+
+
+def _plain(word: object) -> str:
+    """Return what the program says as text that harms no terminal."""
+    return "".join(letter for letter in str(word) if letter.isprintable())[:200]
 
 
 def check_screen(console: Console, report: Line) -> None:

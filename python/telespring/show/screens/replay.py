@@ -23,6 +23,12 @@ _OPEN_LOOP = (
     "have met, not what it would have led to."
 )
 
+_NO_DEVICE = (
+    "The energy account takes the commanded force as the one that acted: what a device would have made of it "
+    "(a lag, a limit of its own) is not replayed."
+)
+_MEASURED = " The device of {} measured it in the session."
+
 
 def replay_screen(found: Replay, name: str) -> RenderableType:
     """Lay a replay out for the terminal: is it the recorded session, and what do other settings change."""
@@ -54,6 +60,9 @@ def replay_screen(found: Replay, name: str) -> RenderableType:
         )
         parts.append(Text(f"Replayed and recorded force differ by {apart} (RMS)."))
         parts.append(Text(_OPEN_LOOP, style="yellow"))
+        measured = [f"site {side.side}" for side in found.sides if side.recording.has_measured_force]
+        known = _MEASURED.format(" and ".join(measured)) if measured else ""
+        parts.append(Text(_NO_DEVICE + known, style="yellow"))
     parts.append(Text(_partner(found)))
     return Group(*parts)
 

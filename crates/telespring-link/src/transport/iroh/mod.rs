@@ -24,7 +24,6 @@ use rtrb::{Consumer, Producer, RingBuffer};
 use telespring::session::LocalTime;
 
 use super::{PathEvent, ROOM, Transport, TransportReport};
-use crate::hello;
 use crate::keys::{SiteId, SiteKey};
 use bell::Bell;
 pub use network::ALPN;
@@ -109,22 +108,18 @@ impl Iroh {
     pub fn local_addresses(&self) -> &[SocketAddr] {
         &self.local
     }
-
-    /// Whether a datagram is this packet's turn at the rate of now. A greeting always is: there are few, and each counts.
-    fn is_due(&mut self, datagram: &[u8]) -> bool {
-        if datagram.starts_with(&hello::MAGIC) {
-            return true;
-        }
-        self.turn = self.turn.wrapping_add(1);
-        self.turn.is_multiple_of(u64::from(self.shared.every()))
-    }
 }
 
 impl Transport for Iroh {
+    fn is_due(&mut self) -> bool {
+        self.turn = self.turn.wrapping_add(1);
+        let is_due = self.turn.is_multiple_of(u64::from(self.shared.every()));
+        self.thinned += u64::from(!is_due);
+        is_due
+    }
+
     fn send(&mut self, _: LocalTime, datagram: &[u8]) {
-        if !self.is_due(datagram) {
-            self.thinned += 1;
-        } else if self.outbox.push(Packet::new(datagram)).is_ok() {
+        if self.outbox.push(Packet::new(datagram)).is_ok() {
             self.bell.ring();
         } else {
             self.unsent += 1;
@@ -165,7 +160,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn law_packets_are_left_out_evenly_and_greetings_never() {
+    fn law_packets_are_left_out_evenly() {
         let mut site = Iroh::new(&IrohSettings {
             key: SiteKey::generate(),
             peer_ids: vec![SiteKey::generate().id()],
@@ -176,14 +171,12 @@ mod tests {
             priority: None,
         })
         .unwrap();
-        let greeting = [&hello::MAGIC[..], &[1; 108]].concat();
         for every in [1, 2, 4] {
             site.shared.set_every(every);
-            let due: Vec<bool> = (0..100).map(|_| site.is_due(&[7; 112])).collect();
+            let due: Vec<bool> = (0..100).map(|_| site.is_due()).collect();
             for some in due.chunks(usize::from(every)) {
                 assert_eq!(some.iter().filter(|is_due| **is_due).count(), 1, "{every}");
             }
-            assert!((0..100).all(|_| site.is_due(&greeting)));
         }
     }
 }

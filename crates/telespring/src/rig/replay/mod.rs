@@ -18,7 +18,7 @@
 //! One tick of a site that hears one packet of its partner:
 //!
 //! ```
-//! use telespring::rig::replay::{Acted, RecordedArrival, RecordedSite, RecordedTick, ReplaySettings, replay_site};
+//! use telespring::rig::replay::{Acted, ForceLimits, RecordedArrival, RecordedSite, RecordedTick, ReplaySettings, replay_site};
 //! use telespring::session::{Endpoint, EndpointSettings, Law, LocalTime, Motion, Span};
 //!
 //! let law = Law { stiffness: 100.0, damping: 0.0 };
@@ -31,7 +31,7 @@
 //! let tick = RecordedTick { motion: Some(at(0.0)), answered: Some(now), ..RecordedTick::at(now) };
 //! let arrival = RecordedArrival { tick: 0, time: now, datagram };
 //! let site = RecordedSite::new(vec![tick], vec![arrival])?;
-//! let replay = ReplaySettings { endpoint: settings(1), acted: Acted::Recorded, largest_force: 20.0 };
+//! let replay = ReplaySettings { endpoint: settings(1), acted: Acted::Recorded, limits: ForceLimits::NONE };
 //! assert_eq!(replay_site(replay, &site)?.ticks[0].wanted, [2.0, 0.0]);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -41,6 +41,7 @@ mod pair;
 mod recorded;
 mod site;
 
+pub use gate::ForceLimits;
 pub use pair::replay_pair;
 pub use recorded::{RecordedArrival, RecordedSite, RecordedTick};
 pub use site::{Acted, ReplaySettings, ReplayedSite, ReplayedTick, replay_site};

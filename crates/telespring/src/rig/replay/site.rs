@@ -1,6 +1,6 @@
 //! The replay of one site.
 
-use super::gate::Gate;
+use super::gate::{ForceLimits, Gate};
 use super::recorded::{RecordedSite, RecordedTick};
 use crate::error::{InvalidInput, Result};
 use crate::rig::network::Datagram;
@@ -26,8 +26,8 @@ pub struct ReplaySettings {
     pub endpoint: EndpointSettings,
     /// Which force it is told to have acted.
     pub acted: Acted,
-    /// The largest force that the site lets through, N; infinite for no limit.
-    pub largest_force: f64,
+    /// The largest force that the site lets through, and its steepest growth.
+    pub limits: ForceLimits,
 }
 
 /// One tick of a replayed site. It has no force, age or limit where the endpoint was not asked.
@@ -99,18 +99,17 @@ pub(super) struct RunningReplay<'a> {
 
 impl<'a> RunningReplay<'a> {
     pub(super) fn new(settings: ReplaySettings, recording: &'a RecordedSite) -> Result<Self> {
-        let ReplaySettings { endpoint, acted, largest_force } = settings;
-        if !(largest_force > 0.0) {
-            return Err(InvalidInput::new(
-                "largest_force",
-                largest_force,
-                "a force above 0 N",
-                "Give the limit of the site, or infinity for none.",
-            ));
+        let ReplaySettings { endpoint, acted, limits } = settings;
+        let remedy = "Give the limit of the site, or infinity for none.";
+        if !(limits.largest > 0.0) {
+            return Err(InvalidInput::new("largest_force", limits.largest, "a force above 0 N", remedy));
+        }
+        if !(limits.rise > 0.0) {
+            return Err(InvalidInput::new("steepest_rise", limits.rise, "a growth above 0 N/s", remedy));
         }
         Ok(Self {
             recording,
-            gate: Gate::new(largest_force, endpoint.computing_tick),
+            gate: Gate::new(limits, endpoint.sample_period, endpoint.computing_tick),
             is_watched: endpoint.watchdog.is_some(),
             endpoint: Endpoint::new(endpoint)?,
             acted,
@@ -176,6 +175,9 @@ impl<'a> RunningReplay<'a> {
             }
             return;
         };
+        if motion.impossible_value().is_none() {
+            self.gate.measure(tick.time);
+        }
         let acted = match self.acted {
             Acted::Recorded => tick.acted,
             Acted::Replayed => self.gate.acted(),
@@ -195,14 +197,15 @@ impl<'a> RunningReplay<'a> {
 
     /// What the site does at the end of a tick.
     fn answer(&mut self, tick: &RecordedTick) {
-        let wanted = tick.answered.map(|time| self.endpoint.force(time));
+        let wanted = tick.answered.map(|time| (time, self.endpoint.force(time)));
         let force = match wanted {
-            Some(wanted) => self.gate.pass(wanted, tick.share),
+            Some((time, wanted)) => self.gate.pass(time, wanted, tick.share),
             None => {
                 self.gate.close();
                 [0.0; 2]
             }
         };
+        let wanted = wanted.map(|(_, wanted)| wanted);
         let report = self.endpoint.strategy_report();
         self.outcome.push(ReplayedTick {
             wanted: wanted.unwrap_or_default(),
