@@ -34,6 +34,7 @@ extensions = [
     "tools.site.katex",
     "tools.site.repository_links",
     "tools.site.tables",
+    "tools.site.toggles",
 ]
 # written anew by each build, never committed
 GENERATED = DOCS / "_generated"
