@@ -25,7 +25,7 @@ ifneq ($(VENV_USABLE),yes)
 REMAKE := remake
 endif
 
-.PHONY: help study test link link-static test-link bench-link test-relay wheel check-wheel ros2 test-ros2 lint format verify oracles fuzz bench clean toolchain link-toolchain remake page test-page
+.PHONY: help study test link link-static test-link bench-link test-relay wheel check-wheel ros2 test-ros2 lint format verify oracles fuzz bench clean toolchain link-toolchain remake page test-page docs docs-check docs-toolchain
 
 help: ## list the targets
 	@sed -n 's/^\([a-z0-9-]*\):.*## \(.*\)/  make \1|\2/p' Makefile | awk -F'|' '{ printf "%-16s %s\n", $$1, $$2 }'
@@ -139,13 +139,25 @@ fuzz: toolchain ## run each fuzzer for FUZZ_SECONDS (needs nightly Rust and carg
 		cargo +nightly fuzz run $$target -- -max_total_time=$(FUZZ_SECONDS); \
 	done
 
+# The interactive page is part of the site where `make page` has made it.
+docs: $(STAMPS)/binding $(STAMPS)/docs docs/node_modules/.package-lock.json ## build the documentation site, out/docs/index.html (needs Node.js)
+	$(VENV)/bin/sphinx-build --builder html --fail-on-warning --keep-going --quiet -d out/docs-doctrees docs out/docs
+	cargo doc --locked --no-deps --package telespring
+	rm -rf out/docs/rust && cp -r target/doc out/docs/rust
+
+docs-check: docs ## look at every page of the site in a browser: accessibility, width, requests (needs Chromium)
+	node tools/site/look.mjs out/docs
+
 clean: ## remove everything that was built (not out/)
-	rm -rf $(VENV) target fuzz/target benches/rust/target drivers/*/.venv drivers/ros2/target .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) target docs/node_modules docs/_generated fuzz/target benches/rust/target drivers/*/.venv drivers/ros2/target .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find python tests drivers -name __pycache__ -type d -prune -exec rm -rf {} +
 	rm -f python/telespring/_core*.so
 
 toolchain:
 	@tools/check-toolchain.sh
+
+docs-toolchain:
+	@tools/check-toolchain.sh --docs
 
 link-toolchain:
 	@tools/check-toolchain.sh --link
@@ -169,6 +181,14 @@ $(STAMPS)/wheel: requirements/wheel.txt $(STAMPS)/run
 
 $(STAMPS)/oracles: requirements/oracles.txt $(STAMPS)/test
 	tools/make-venv.sh requirements/oracles.txt
+	@touch $@
+
+$(STAMPS)/docs: requirements/docs.txt $(STAMPS)/run
+	tools/make-venv.sh requirements/docs.txt
+	@touch $@
+
+docs/node_modules/.package-lock.json: docs/package.json docs/package-lock.json | docs-toolchain
+	npm ci --prefix docs --ignore-scripts --no-audit --no-fund --silent
 	@touch $@
 
 $(STAMPS)/binding: $(BINDING_SOURCES) $(STAMPS)/run

@@ -99,6 +99,16 @@ def test_ref_everything_missing_is_told_at_once(root: Path, machine: Path) -> No
     assert len(check(root, machine).stderr.splitlines()) == 4
 
 
+def test_ref_only_the_documentation_site_needs_node(root: Path, machine: Path) -> None:
+    done = check(root, machine, "--docs")
+    assert done.returncode == 1
+    [sentence] = done.stderr.splitlines()
+    assert sentence.startswith("the documentation site needs Node.js with npm and found none")
+    program(machine, "node", "exit 0")
+    program(machine, "npm", "exit 0")
+    assert check(root, machine, "--docs").returncode == 0
+
+
 def test_law_newer_versions_pass(root: Path, machine: Path) -> None:
     program(machine, "rustc", "echo 'rustc 2.1.0 (0000000 2030-01-01)'")
     assert check(root, machine).returncode == 0

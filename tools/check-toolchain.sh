@@ -4,6 +4,7 @@
 #   check-toolchain.sh            prints a sentence on stderr for each tool that is missing or too old, and exits with 1
 #   check-toolchain.sh --python   also prints the name of the Python to use
 #   check-toolchain.sh --link     checks for what the live program needs, which is a newer Rust
+#   check-toolchain.sh --docs     also checks for Node.js and npm, which the documentation site needs
 #
 # The required versions are read from Cargo.toml and pyproject.toml, so that each is stated only once.
 set -u
@@ -84,9 +85,16 @@ check_make() {
         tell "telespring needs make and found none: install it (Debian and Ubuntu: apt install make; macOS: xcode-select --install)."
 }
 
+check_node() {
+    if ! command -v node >/dev/null 2>&1 || ! command -v npm >/dev/null 2>&1; then
+        tell "the documentation site needs Node.js with npm and found none: install it (Debian and Ubuntu: apt install nodejs npm; macOS: brew install node)."
+    fi
+}
+
 check_rust
 check_python
 check_c_compiler
 check_make
+[ "${1-}" != --docs ] || check_node
 [ "$missing" -eq 0 ] || exit 1
 [ "${1-}" != --python ] || printf '%s\n' "$python"
