@@ -173,9 +173,8 @@ def test_law_every_table_can_be_read(block: Block, tmp_path: Path) -> None:
 @pytest.mark.parametrize("block", runnable("c"), ids=str)
 def test_law_every_fragment_of_c_compiles(block: Block, tmp_path: Path) -> None:
     names = "seconds, sequence, newest, told, x, y, vx, vy, enabled, homed, stopped, force[2]"
-    (tmp_path / "block.c").write_text(
-        f"#include <math.h>\n#include <sys/socket.h>\nvoid tick(int site) {{ double {names};\n{block.text}\n}}\n"
-    )
+    headers = "#include <math.h>\n#include <sys/socket.h>\n"
+    (tmp_path / "block.c").write_text(f"{headers}void tick(int site) {{ double {names};\n{block.text}\n}}\n")
     done = subprocess.run(
         [
             "cc",
