@@ -102,7 +102,8 @@ def robot_file(folder: Path) -> None:
 
 
 def recordings_of_both_sites(folder: Path) -> None:
-    ts.merge_recordings(*write_session(folder / "out" / "connect"), folder / "session.mcap")
+    first, second = write_session(folder / "out" / "connect")
+    ts.merge_recordings(first, second, folder / "session.mcap")
     marks = [(0.2, 1, "condition soft"), (0.3, 1, "trial 1"), (0.9, 1, "trial end")]
     MadeSession(seconds=1.0, marks=marks).write(folder)
 

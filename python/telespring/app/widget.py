@@ -133,7 +133,7 @@ def _widget_class() -> type:
             'Run: pip install "telespring[jupyter]". Without a notebook: telespring explore.',
         ) from None
 
-    class Explorer(anywidget.AnyWidget):  # type: ignore[misc]  # it has no types
+    class Explorer(anywidget.AnyWidget):
         """The page in a notebook; `study` and the page show the same."""
 
         _esm = _MODULE
