@@ -25,7 +25,7 @@ ifneq ($(VENV_USABLE),yes)
 REMAKE := remake
 endif
 
-.PHONY: help study test link test-link ros2 test-ros2 lint format verify oracles fuzz bench docs docs-check clean toolchain link-toolchain docs-toolchain remake
+.PHONY: help study test link link-static test-link bench-link test-relay wheel check-wheel ros2 test-ros2 lint format verify oracles fuzz bench docs docs-check clean toolchain link-toolchain docs-toolchain remake page test-page
 
 help: ## list the targets
 	@sed -n 's/^\([a-z0-9-]*\):.*## \(.*\)/  make \1|\2/p' Makefile | awk -F'|' '{ printf "%-16s %s\n", $$1, $$2 }'
@@ -38,6 +38,22 @@ test: $(STAMPS)/binding $(STAMPS)/test ## set everything up and run all tests
 	PROPTEST_RNG_SEED=20251121 cargo test --locked
 	$(PYTHON_IN_VENV) -m pytest
 
+# One HTML file, and a copy in the package for `telespring explore`, notebooks and the wheel.
+PAGE_CORE := out/page/telespring.wasm
+page: toolchain ## build the page that needs no server, out/page/telespring.html
+	tools/build-wasm.sh $(PAGE_CORE)
+	python3 tools/bundle_page.py $(PAGE_CORE) out/page/telespring.html
+	mkdir -p python/telespring/assets
+	cp out/page/telespring.html python/telespring/assets/telespring.html
+
+# Needs Node.js; what looks at the page needs npm and Chromium. Each says loudly what it lacks.
+test-page: page $(STAMPS)/binding $(STAMPS)/test ## test the page: its core against the native one, and in a browser
+	cargo test --locked -p telespring-wasm
+	$(PYTHON_IN_VENV) -m pytest tests/test_page_answers.py tests/test_explore.py
+	@command -v npm >/dev/null || echo "SKIPPED: no npm: nobody has looked at the page"
+	! command -v npm >/dev/null || (cd page/test && npm ci --no-audit --no-fund && \
+		TELESPRING="$(CURDIR)/$(VENV)/bin/telespring" node --test)
+
 # The live program is no default member of the workspace: what does not name it does not build it.
 link: link-toolchain ## build the live program, target/release/telespring-link (Linux)
 	cargo build --release --locked -p telespring-link
@@ -46,11 +62,22 @@ link: link-toolchain ## build the live program, target/release/telespring-link (
 HOST := $(shell rustc -vV 2>/dev/null | sed -n 's/^host: //p')
 link-static: link-toolchain ## build the live program as one static file, in target/HOST/release
 	RUSTFLAGS='-C target-feature=+crt-static' cargo build --release --locked -p telespring-link --target $(HOST)
-	@echo target/$(HOST)/release/telespring-link
+	@echo $${CARGO_TARGET_DIR:-target}/$(HOST)/release/telespring-link
 
 # Real-time tests: they share the machine with nobody who can help it.
 test-link: link-toolchain ## test the live program
 	cargo test --profile link-test --locked -p telespring-link
+
+# iroh's relay server, of the version that the live program speaks with; no test needs its speed. Not in .ci/run: its hundreds of crates
+# take minutes to build.
+RELAY_VERSION := $(shell sed -n 's/^const VERSION: &str = "\(.*\)";/\1/p' crates/telespring-link/src/commands/relay_config.rs)
+target/relay/bin/iroh-relay: crates/telespring-link/src/commands/relay_config.rs
+	CARGO_PROFILE_DEV_DEBUG=0 cargo install iroh-relay --version $(RELAY_VERSION) --locked --features server --debug --root target/relay
+	@touch $@
+
+test-relay: link-toolchain target/relay/bin/iroh-relay ## test the live program with a relay server, which is built first (minutes)
+	TELESPRING_RELAY=$(CURDIR)/target/relay/bin/iroh-relay \
+		cargo test --profile link-test --locked -p telespring-link --test law_relay
 
 bench-link: link-toolchain ## compare the live program with raw UDP and cyclictest (needs root and rt-tests)
 	cargo bench --locked -p telespring-link --bench link
@@ -77,6 +104,14 @@ format: $(STAMPS)/test ## apply the formatting that lint checks
 	cargo fmt --all
 	$(PYTHON_IN_VENV) -m ruff check --fix .
 	$(PYTHON_IN_VENV) -m ruff format .
+
+# Old systems and other machines: zig is compiler and linker. Changed sources only are built anew, in target/wheel.
+wheel: $(STAMPS)/wheel ## build the wheel and the source distribution, in out/wheel
+	rm -rf out/wheel
+	tools/build-wheel.sh out/wheel
+
+check-wheel: wheel ## build the wheel twice, compare, install it without Rust, and use it
+	tools/check-wheel.sh out/wheel --twice
 
 # Every run draws new cases from a seed, which it prints; `make verify SEED=...` repeats them.
 SEED := $(shell od -An -N4 -tu4 /dev/urandom | tr -d ' ')
@@ -138,6 +173,10 @@ $(STAMPS)/run: requirements/run.txt $(REMAKE) | toolchain
 
 $(STAMPS)/test: requirements/test.txt $(STAMPS)/run
 	tools/make-venv.sh requirements/test.txt
+	@touch $@
+
+$(STAMPS)/wheel: requirements/wheel.txt $(STAMPS)/run
+	tools/make-venv.sh requirements/wheel.txt
 	@touch $@
 
 $(STAMPS)/oracles: requirements/oracles.txt $(STAMPS)/test

@@ -33,16 +33,18 @@ static const double VERSION = 1.0;
 static const double PERIOD = 0.001;  /* s, the sample period of the study */
 static const double DEADLINE = 0.02; /* s, how long a command acts */
 static const double LARGEST = 20.0;  /* N, the largest force that person and robot bear */
-static const double PATIENCE = 5.0;  /* s without any command, after which this program ends */
+static const double PATIENCE = 5.0;  /* s without any command after the first one, after which this program ends */
 
-/* A mass with a damper on each of two axes, moved by a hand that follows a slow circle. */
+/* A mass with a damper on each of two axes, held by a hand that follows a slow circle while the sides are coupled. */
 struct handle {
     double position[2]; /* m */
     double velocity[2]; /* m/s */
+    double seconds;     /* s, how long the hand has followed the circle; it rests at 0 otherwise */
 };
 
 /* Moves the handle for `span` s under the force of the motors, N; a robot of your own is told the force here. */
-static void move(struct handle *handle, double seconds, double span, const double force[2]) {
+static void move(struct handle *handle, double span, const double force[2], int is_coupled) {
+    double seconds = handle->seconds = is_coupled ? handle->seconds + span : 0.0;
     const double aim[2] = {0.03 * sin(seconds), 0.03 - 0.03 * cos(seconds)};
     for (int axis = 0; axis < 2; axis++) {
         double hand = 100.0 * (aim[axis] - handle->position[axis]) - 8.0 * handle->velocity[axis];
@@ -123,11 +125,12 @@ int main(int count, char **arguments) {
     if (count != 5 || own == NULL || site == NULL) fail("usage", "device --listen HOST:PORT --site HOST:PORT");
     int udp = open_link(own, site);
 
-    struct handle handle = {{0.0, 0.0}, {0.0, 0.0}};
+    struct handle handle = {{0.0, 0.0}, {0.0, 0.0}, 0.0};
     double force[2] = {0.0, 0.0}, newest = 0.0, commands = 0.0, largest = 0.0;
-    double start = now(), heard = start, moved = start, told = -INFINITY;
+    double start = now(), moved = start, told = -INFINITY;
     double rows = 0.0;
-    while (now() - heard < PATIENCE) {
+    int is_coupled = 0;
+    while (told == -INFINITY || now() - told < PATIENCE) {
         sleep_until(start + (rows + 1.0) * PERIOD);
         double tick = now(), command[COMMAND_VALUES];
         for (int looked = 0, taken = 1; taken != 0 && looked < MOST_ROWS; looked++) {
@@ -138,7 +141,8 @@ int main(int count, char **arguments) {
             force[0] = command[4];
             force[1] = command[5];
             limit(force);
-            told = heard = tick;
+            is_coupled = command[6] == 1.0;
+            told = tick;
             if (command[7] == 1.0) { /* the session is over; command[6] is 0 in a pause, too */
                 printf("%.0f rows, %.0f commands, %.3f N at most\n", rows, commands, largest);
                 close(udp);
@@ -148,9 +152,10 @@ int main(int count, char **arguments) {
         if (tick - told > DEADLINE) { /* nobody commands: let go */
             force[0] *= 0.9;
             force[1] *= 0.9;
+            is_coupled = 0;
         }
         largest = fmax(largest, hypot(force[0], force[1]));
-        move(&handle, tick - start, fmin(tick - moved, 0.01), force);
+        move(&handle, fmin(tick - moved, 0.01), force, is_coupled);
         moved = tick;
         rows = fmax(rows + 1.0, floor((tick - start) / PERIOD)); /* a tick that was missed is left out */
         const double enabled = 1.0, homed = 1.0, stopped = 0.0;

@@ -93,7 +93,7 @@ def live(*, is_demo: bool) -> int:
     for line in BEHAVIOUR.get("says", []):
         print(line, flush=True)
     for side in sides:
-        say("event", side=side, time=0.1 * side, event="ramping-out", cause="silence")
+        say("event", side=side, time=0.1 * side, event="force-ramping-out", cause="silence")
     cause, is_open = "stop-requested", True
     time.sleep(float(BEHAVIOUR.get("deaf", 0.0)))
     text = ""

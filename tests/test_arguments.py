@@ -98,7 +98,13 @@ OWN: dict[str, dict[str, Any]] = {
 
 #: What reads a file may find none.
 READERS = {"Study.read", "analyse_recording", "merge_recordings", "read_recording", "read_trace", "replay"}
-OTHERS = {"Adversary", "Agent", "Arm", "Experiment", "Study", "Task", "Trajectory", "compare", "rehearse"}
+OTHERS = {"Adversary", "Agent", "Arm", "Experiment", "Study", "Task", "Trajectory", "compare", "rehearse"} | {
+    "merge_shards",
+    "merge_surveys",
+    "survey_dyads",
+    "sweep",
+    "unsafe_quantile",
+}
 METHODS = ["maximum_delay", "critical_stiffness", "stability_map", "is_stable", "crossings", "stable_delays"]
 
 

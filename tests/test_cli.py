@@ -19,6 +19,7 @@ import telespring as ts
 from paper_study import PaperStudy
 from questions import decide
 from telespring import cli
+from telespring.paper import Analysis
 
 UNKNOWN_KEY = """
 robot1 = {mass = 1.0, damping = 5.0}
@@ -647,3 +648,19 @@ def test_law_a_missing_value_is_named_with_its_unit(tmp_path: Path) -> None:
         "Refused: Missing coupling.stiffness (N/m).",
         "  Add a section [coupling] with stiffness = 20.0.",
     ]
+
+
+def test_law_a_quick_reproduction_has_the_same_numbers_but_no_experiment(
+    tmp_path: Path, analysis: Analysis
+) -> None:
+    done = CliRunner().invoke(cli.app, ["reproduce", "--quick", "--out", str(tmp_path / "quick")])
+    assert done.exit_code == 0, done.output
+    assert "Left out: the experiment" in done.output
+    assert sorted(path.name for path in (tmp_path / "quick").iterdir()) == ["report.html", "study.json"]
+    numbers = json.loads((tmp_path / "quick" / "study.json").read_text(encoding="utf-8"))
+    assert "experiment" not in numbers
+    assert {"table3", "summary", "stability_map"} <= set(numbers)
+    assert all(analysis.numbers[key] == value for key, value in numbers.items())
+    page = (tmp_path / "quick" / "report.html").read_text(encoding="utf-8")
+    anchors = set(re.findall(r'id="([^"]+)"', page))
+    assert set(re.findall(r'href="#([^"]+)"', page)) <= anchors

@@ -106,6 +106,7 @@ __all__ = [
     "Arm",
     "AxisTier",
     "AxisVerdict",
+    "BidsExport",
     "BurstFit",
     "CertificateWarning",
     "Comparison",
@@ -173,6 +174,9 @@ __all__ = [
     "decay_stiffness",
     "decide",
     "delay_limit",
+    "export_bids",
+    "export_mat",
+    "explore",
     "fit_noise",
     "frequency_grid",
     "frequency_response",
@@ -182,6 +186,8 @@ __all__ = [
     "maximum_delay",
     "maximum_stiffness",
     "merge_recordings",
+    "merge_shards",
+    "merge_surveys",
     "minimum_damping",
     "mobility_matrix",
     "nyquist",
@@ -197,7 +203,10 @@ __all__ = [
     "spectral_abscissa",
     "stability_map",
     "stable_delays",
+    "survey_dyads",
+    "sweep",
     "transfer_matrix",
+    "unsafe_quantile",
     "unstable_root_count",
     "verdicts",
 ]
@@ -208,14 +217,23 @@ if TYPE_CHECKING:
     from telespring.analysis.sessions import analyse_recording as analyse_recording
     from telespring.answer import Answer as Answer
     from telespring.answer import decide as decide
+    from telespring.app.widget import explore as explore
     from telespring.comparison import Comparison as Comparison
     from telespring.comparison import compare as compare
+    from telespring.exchange import BidsExport as BidsExport
+    from telespring.exchange import export_bids as export_bids
+    from telespring.exchange import export_mat as export_mat
     from telespring.recording import SessionRecording as SessionRecording
     from telespring.recording import merge_recordings as merge_recordings
     from telespring.recording import read_recording as read_recording
     from telespring.replays import Replay as Replay
     from telespring.replays import SiteRecording as SiteRecording
     from telespring.replays import replay as replay
+    from telespring.sweeps import merge_shards as merge_shards
+    from telespring.sweeps import merge_surveys as merge_surveys
+    from telespring.sweeps import survey_dyads as survey_dyads
+    from telespring.sweeps import sweep as sweep
+    from telespring.sweeps import unsafe_quantile as unsafe_quantile
 else:
     # Hidden from type checkers, which would accept every name.
     # Importing matplotlib takes long, so `plot` waits until it is used; answers, comparisons and recordings
@@ -225,6 +243,7 @@ else:
         submodules=("plot",),
         late={
             "Answer": "telespring.answer",
+            "BidsExport": "telespring.exchange",
             "Comparison": "telespring.comparison",
             "Replay": "telespring.replays",
             "SessionRecording": "telespring.recording",
@@ -232,9 +251,17 @@ else:
             "analyse_recording": "telespring.analysis.sessions",
             "compare": "telespring.comparison",
             "decide": "telespring.answer",
+            "export_bids": "telespring.exchange",
+            "export_mat": "telespring.exchange",
+            "explore": "telespring.app.widget",
             "merge_recordings": "telespring.recording",
+            "merge_shards": "telespring.sweeps",
+            "merge_surveys": "telespring.sweeps",
             "read_recording": "telespring.recording",
             "replay": "telespring.replays",
+            "survey_dyads": "telespring.sweeps",
+            "sweep": "telespring.sweeps",
+            "unsafe_quantile": "telespring.sweeps",
         },
     )
 

@@ -656,6 +656,8 @@ class Architecture:
     def label(self) -> str: ...
     @property
     def has_account(self) -> bool: ...
+    @property
+    def guard_settings(self) -> tuple[float, float, float] | None: ...
     def settings(self) -> dict[str, Any]: ...
     def to_dict(self) -> dict[str, Any]: ...
     def __eq__(self, value: object, /) -> bool: ...
@@ -1542,6 +1544,22 @@ def solve_dde(
     options: OptionValues,
 ) -> DelaySolution: ...
 def trial_seed(seed: int, condition: int, trial: int) -> int: ...
+
+POPULATION_BIN_RATIO: Final[float]
+
+def tally_population(
+    *,
+    mass: tuple[float, float],
+    damping: tuple[float, float],
+    mass_ratio: tuple[float, float],
+    damping_ratio: tuple[float, float],
+    cells: tuple[int, int],
+    operator_mass: float,
+    operator_damping: float,
+    seed: int,
+    first: int,
+    count: int,
+) -> tuple[NDArray[np.uint64], NDArray[np.uint64], FloatArray, NDArray[np.uint64]]: ...
 def simulate(
     dyad: Dyad,
     stiffness: float,

@@ -12,7 +12,7 @@ use telespring::session::Span;
 use telespring::study::Study;
 
 use crate::conduct::{ConductError, Plan, conduct};
-use crate::console::{Console, Output};
+use crate::console::{Console, Narrator, Output};
 use crate::device::Simulated;
 use crate::feed::Observer;
 use crate::hello::draw_session;
@@ -131,7 +131,7 @@ impl Demo {
     }
 
     /// Runs both sides, each on a thread of its own, until the time is over or `stop` is set. `orders`: what the people at
-    /// both sides order, if anybody does; `console` tells what happens.
+    /// both sides order, if anybody does; `console` tells what happens to a program, `words` to a person.
     ///
     /// # Errors
     ///
@@ -141,6 +141,7 @@ impl Demo {
         stop: &AtomicBool,
         orders: [Option<Consumer<Order>>; 2],
         console: Option<&Output>,
+        words: Option<&Output>,
     ) -> Result<DemoSummary, DemoError> {
         if !(self.seconds > 0.0 && self.seconds <= 86_400.0) {
             let allowed = "above 0, up to 86400 s";
@@ -163,7 +164,13 @@ impl Demo {
                     sides.next().map(|(number, (link, orders))| {
                         let name = format!("site {number}");
                         std::thread::Builder::new().name(name).spawn_scoped(scope, move || {
-                            self.run_side(study, Side { number, link, orders }, server, console, stop)
+                            self.run_side(
+                                study,
+                                Side { number, link, orders },
+                                server,
+                                [console, words],
+                                stop,
+                            )
                         })
                     })
                 })
@@ -181,7 +188,7 @@ impl Demo {
         study: &Study,
         Side { number: side, link, orders }: Side,
         server: Option<&Arc<LiveServer>>,
-        console: Option<&Output>,
+        [console, words]: [Option<&Output>; 2],
         stop: &AtomicBool,
     ) -> Result<Summary, DemoError> {
         let laboratory = study.laboratory()?;
@@ -197,7 +204,10 @@ impl Demo {
         let facts = Facts::new(study, &settings).with("device", "simulated").with("network", "emulated");
         let folder = self.record.as_ref().map(|folder| ("--record", folder));
         let console = console.map(|output| Console::new(output.clone(), side));
-        let observers = console.into_iter().map(|console| Box::new(console) as Box<dyn Observer>).collect();
+        let words = words.map(|output| Narrator::new(output.clone(), format!("side {side}: "), false));
+        let console = console.map(|console| Box::new(console) as Box<dyn Observer>);
+        let observers =
+            console.into_iter().chain(words.map(|words| Box::new(words) as Box<dyn Observer>)).collect();
         let plan = Plan { real_time: self.real_time, limits, observers, orders, ..Plan::default() };
         let plan = plan.watched(&facts, folder, server)?;
         Ok(conduct(settings, device, transport, plan, stop, |_| {})?)

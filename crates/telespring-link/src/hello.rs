@@ -10,7 +10,7 @@ use telespring::study::{Coupling, Study};
 /// The first bytes of every greeting.
 pub const MAGIC: [u8; 4] = *b"TSPH";
 /// The version of the greeting.
-pub const VERSION: u8 = 2;
+pub const VERSION: u8 = 3;
 /// The number of axes of a live session.
 const AXES: u8 = 2;
 /// No handle is farther from its origin, m.
@@ -44,6 +44,8 @@ pub struct Terms {
     pub coupling: [f64; 2],
     /// The sample period, s.
     pub sample_period: f64,
+    /// Axes that the sender leaves out of the coupling; then the receiver does, too. No term on which the two could disagree.
+    pub lock: [bool; 2],
 }
 
 /// What the two sides do not agree on.
@@ -95,6 +97,26 @@ impl Disagreement {
         }
     }
 
+    /// What makes the two sides agree.
+    pub fn remedy(self) -> &'static str {
+        match self {
+            Self::Version => "Run the same version of the program at both sites.",
+            Self::Axes => "Give both sites a study with the axes x and y.",
+            Self::Side => "Write side = 1 in the site file of one site, and side = 2 in that of the other.",
+            Self::Robots => "The studies describe other robots: copy one study file to both sites.",
+            Self::Coupling => {
+                "The studies have another stiffness or damping: copy one study file to both sites."
+            }
+            Self::SamplePeriod => {
+                "The studies have another sample period: copy one study file to both sites."
+            }
+            Self::Strategy => {
+                "The studies have another strategy, predictor or play-out: copy one study file to both sites."
+            }
+            Self::Study => "The studies differ, if only in a name: copy one study file to both sites.",
+        }
+    }
+
     fn code(self) -> u8 {
         Self::ALL.iter().zip(1..).find(|(one, _)| **one == self).map_or(0, |(_, code)| code)
     }
@@ -137,6 +159,7 @@ impl Terms {
             study: fingerprint(study.to_toml().as_bytes()),
             coupling: [stiffness, damping],
             sample_period: laboratory.controller.sample_period,
+            lock: [false; 2],
         })
     }
 
@@ -209,22 +232,20 @@ pub struct Greeting {
     pub stamps: Stamps,
 }
 
-/// Flags of a stance, by bit.
-const FLAGS: u8 = 6;
-
 impl Stance {
-    fn flags(&self) -> u8 {
+    /// The flags of a greeting, by bit.
+    fn flags(&self, [x, y]: [bool; 2]) -> u8 {
         let Self { is_ready, is_stopped, is_paused, is_aligned, has_consented, position, .. } = *self;
-        let flags = [is_ready, is_stopped, is_paused, is_aligned, has_consented, position.is_some()];
+        let flags = [is_ready, is_stopped, is_paused, is_aligned, has_consented, position.is_some(), x, y];
         flags.into_iter().zip(0..).map(|(flag, bit)| u8::from(flag) << bit).sum()
     }
 
-    /// The stance in its bytes; `None` for unknown flags, or a position that no handle has.
+    /// The stance in its bytes; `None` for a position that no handle has.
     fn decode(phase: u8, flags: u8, round: u32, position: u64) -> Option<Self> {
         let is = |bit: u8| flags >> bit & 1 == 1;
         let [low, high] = [position as u32, (position >> 32) as u32].map(f32::from_bits);
         let can_be = [low, high].iter().all(|value| value.abs() <= MAX_POSITION);
-        if flags >> FLAGS != 0 || !can_be || (!is(5) && position != 0) {
+        if !can_be || (!is(5) && position != 0) {
             return None;
         }
         Some(Self {
@@ -258,7 +279,8 @@ impl Greeting {
 
     /// The greeting as bytes.
     pub fn encode(&self) -> [u8; LENGTH] {
-        let Terms { packets, axes, side, robots, strategy, study, coupling, sample_period } = self.terms;
+        let Terms { packets, axes, side, robots, strategy, study, coupling, sample_period, lock } =
+            self.terms;
         let purpose = match self.purpose {
             Purpose::Hello => 0,
             Purpose::Goodbye => 1,
@@ -267,7 +289,7 @@ impl Greeting {
         let head = MAGIC.into_iter().chain([VERSION, purpose, packets, axes]);
         let ids = [self.session, self.accepted].into_iter().flat_map(u64::to_le_bytes);
         let Stance { phase, round, position, .. } = self.stance;
-        let which = [side, refusal, phase, self.stance.flags()].into_iter().chain(round.to_le_bytes());
+        let which = [side, refusal, phase, self.stance.flags(lock)].into_iter().chain(round.to_le_bytes());
         let prints = [robots, strategy, study].into_iter().flat_map(u64::to_le_bytes);
         let [stiffness, damping] = coupling;
         let numbers = [stiffness, damping, sample_period].into_iter().flat_map(f64::to_le_bytes);
@@ -326,6 +348,7 @@ impl Greeting {
                 study: word(48),
                 coupling: [number(56), number(64)],
                 sample_period: number(72),
+                lock: [6, 7].map(|bit| flags >> bit & 1 == 1),
             },
             stance: stance.ok_or(NoGreeting::Foreign)?,
             stamps,
@@ -391,13 +414,14 @@ mod tests {
                 assert_eq!(Greeting::decode(&greeting.encode()), Ok(greeting));
             }
         }
-        for flags in 0..0x40 {
-            let greeting = Greeting { stance: stance(flags), ..greeting() };
+        for flags in 0..=0xff {
+            let mut greeting = Greeting { stance: stance(flags), ..greeting() };
+            greeting.terms.lock = [flags & 0x40 != 0, flags & 0x80 != 0];
             assert_eq!(greeting.encode()[27], flags);
             assert_eq!(Greeting::decode(&greeting.encode()), Ok(greeting));
         }
-        // an unknown flag, a position that is none, or without its flag, and times beyond all clocks
-        for (at, byte) in [(27, 0x7f), (83, 0x7f), (27, 0x1f), (95, 0x80), (103, 0x80), (111, 0x80)] {
+        // a position that is none, or without its flag, and times beyond all clocks
+        for (at, byte) in [(83, 0x7f), (27, 0x1f), (95, 0x80), (103, 0x80), (111, 0x80)] {
             let mut bytes = greeting().encode();
             bytes[at] = byte;
             assert_eq!(Greeting::decode(&bytes), Err(NoGreeting::Foreign), "{at}");
@@ -410,7 +434,7 @@ mod tests {
                 Ok(other) => assert_eq!(other.encode(), bytes),
                 Err(NoGreeting::OtherVersion) => assert_eq!(at, 4),
                 Err(NoGreeting::Foreign) => {
-                    assert!([0, 1, 2, 3, 5, 25, 27].contains(&at) || at >= 80, "{at}")
+                    assert!([0, 1, 2, 3, 5, 25].contains(&at) || at >= 80, "{at}")
                 }
             }
         }

@@ -4,13 +4,14 @@
 //! digits. The public id, by which partners know the site, follows from it: 64 hexadecimal digits, too.
 
 use std::fmt;
-use std::fs::{File, OpenOptions, Permissions};
+use std::fs::{OpenOptions, Permissions};
 use std::io::{Read, Write};
 use std::os::unix::fs::{MetadataExt, OpenOptionsExt, PermissionsExt};
 use std::path::Path;
 use std::str::FromStr;
 
 use iroh::{PublicKey, SecretKey};
+use rustix::fs::OFlags;
 use telespring::InvalidInput;
 
 /// What stands before the digits: the version of the file.
@@ -125,10 +126,16 @@ impl SiteKey {
         let mut options = OpenOptions::new();
         // create_new: no file and no link of somebody else is written through
         let mut file = options.write(true).create_new(true).mode(0o600).open(path).map_err(refuse)?;
-        // whatever the mask of the process says
-        file.set_permissions(Permissions::from_mode(0o600)).map_err(refuse)?;
         let digits: String = key.0.to_bytes().iter().map(|byte| format!("{byte:02x}")).collect();
-        writeln!(file, "{VERSION} {digits}").and_then(|()| file.sync_all()).map_err(refuse)?;
+        // whatever the mask of the process says
+        file.set_permissions(Permissions::from_mode(0o600))
+            .and_then(|()| writeln!(file, "{VERSION} {digits}"))
+            .and_then(|()| file.sync_all())
+            .map_err(|error| {
+                // half a key would be in the way of a whole one
+                let _ = std::fs::remove_file(path);
+                refuse(error)
+            })?;
         Ok(key)
     }
 
@@ -141,7 +148,10 @@ impl SiteKey {
         let refuse =
             |allowed: String, remedy: &str| InvalidInput::new(field, path.display(), allowed, remedy);
         let unreadable = |error| refuse(format!("the file cannot be read ({error})"), NEW_KEY);
-        let file = File::open(path).map_err(unreadable)?;
+        // a pipe must not hold the program up before it is known as such
+        let mut options = OpenOptions::new();
+        let flags = OFlags::NONBLOCK.bits().cast_signed();
+        let file = options.read(true).custom_flags(flags).open(path).map_err(unreadable)?;
         // of the open file, so that nobody exchanges it in between
         let facts = file.metadata().map_err(unreadable)?;
         if !facts.is_file() {
@@ -267,7 +277,10 @@ mod tests {
         }
         std::fs::write(&path, format!("telespring-key-1 {digits}\n")).unwrap();
         assert!(SiteKey::read("network.key", &path).is_ok());
-        for absent in [folder.join("absent"), folder.clone()] {
+        let pipe = folder.join("pipe");
+        let mode = rustix::fs::Mode::from_raw_mode(0o600);
+        rustix::fs::mknodat(rustix::fs::CWD, &pipe, rustix::fs::FileType::Fifo, mode, 0).unwrap();
+        for absent in [folder.join("absent"), folder.clone(), pipe] {
             assert!(SiteKey::read("network.key", &absent).is_err());
         }
         std::fs::remove_dir_all(folder).unwrap();

@@ -3,7 +3,6 @@
 mod common;
 
 use common::{Pair, anywhere, hman_study};
-use telespring::session::EventKind;
 use telespring::study::Study;
 use telespring_link::operator::Order;
 use telespring_link::site::{Happened, Limits, Phase, SiteSettings};
@@ -97,7 +96,7 @@ fn law_a_measured_force_that_cannot_be_is_not_believed() {
         }
         let taken = given(&pair) - before;
         assert!((taken + 1.0 * 1e-3).abs() < 1e-5, "{bad} N: {taken} J");
-        let is_told = |happened: &Happened| matches!(happened, Happened::Session(EventKind::ImpossibleValue { value }) if value.to_bits() == bad.to_bits());
+        let is_told = |happened: &Happened| matches!(happened, Happened::ImpossibleValue { value, .. } if value.to_bits() == bad.to_bits());
         let log = pair.site_of(0).log().entries();
         assert_eq!(log.iter().filter(|(_, happened)| is_told(happened)).count(), 1, "{bad} N: {log:?}");
     }

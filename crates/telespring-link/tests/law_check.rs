@@ -141,7 +141,7 @@ fn law_a_check_says_what_is_missing() {
     assert!(outputs.iter().all(|output| output.status.code() == Some(1)), "{outputs:?}");
     let (verdict, found) = item(&first, "device");
     assert_eq!(verdict, "warning", "{found}");
-    assert!(found.contains("the robot is not ready"), "{found}");
+    assert!(found.ends_with("the robot is not ready: its motors are not enabled"), "{found}");
     // nobody there at all
     let output = check(&paths[0]).wait_with_output().unwrap();
     let alone = report(&output);

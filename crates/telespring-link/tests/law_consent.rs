@@ -137,7 +137,7 @@ impl Case {
                 Happened::Consented => known.consents = Some(tick),
                 Happened::Interrupted(interruption) => {
                     seen.interruptions += 1;
-                    if !matches!(interruption, Interruption::Partner | Interruption::PartnerChanged) {
+                    if !matches!(interruption, Interruption::Partner(_) | Interruption::PartnerChanged) {
                         known.left = tick;
                     }
                 }

@@ -83,9 +83,12 @@ fn law_two_programs_are_coupled_and_say_goodbye() {
     let second = other.wait_with_output().unwrap();
     let sites = [summary(&first), summary(&second)];
     assert_eq!([first.status.code(), second.status.code()], [Some(0), Some(0)], "{sites:?}");
-    assert_eq!([&sites[0]["cause"], &sites[1]["cause"]], ["stop-requested", "partner-left"]);
+    assert_eq!([&sites[0]["cause"], &sites[1]["cause"]], ["time-over", "partner-left"]);
     for site in &sites {
-        assert!(events(site).contains(&"path-direct") && events(site).contains(&"ramping-in"), "{site}");
+        assert!(
+            events(site).contains(&"path-direct") && events(site).contains(&"force-ramping-in"),
+            "{site}"
+        );
         assert!(site["path"]["connections"].as_u64().unwrap() >= 1, "{site}");
         assert_eq!([&site["path"]["strangers"], &site["path"]["every"]], [0, 1], "{site}");
         assert!(site["largest_force"].as_f64().unwrap() > 0.0, "{site}");
@@ -107,7 +110,7 @@ fn law_a_partner_that_is_killed_and_started_again_is_greeted_anew() {
     let again = start(&second, "8").wait_with_output().unwrap();
     let stayed = stays.wait_with_output().unwrap();
     let [stayed, again] = [summary(&stayed), summary(&again)];
-    assert_eq!([&stayed["cause"], &again["cause"]], ["partner-left", "stop-requested"], "{stayed} {again}");
+    assert_eq!([&stayed["cause"], &again["cause"]], ["partner-left", "time-over"], "{stayed} {again}");
     let agreed = events(&stayed).iter().filter(|event| **event == "agreed").count();
     assert_eq!(agreed, 2, "{stayed}");
     // the force was gone in between, because of silence
@@ -138,9 +141,20 @@ fn law_a_wrong_key_is_refused_counted_and_moves_nothing() {
         assert_eq!([&site["path"]["connections"], &site["loss"]["received"]], [0, 0], "{site}");
         assert!(!events(site).contains(&"agreed"), "{site}");
     }
-    // nothing fills the log, and the one who is refused is told
-    assert_eq!(events(&first), ["ended"], "{first}");
-    assert_eq!(events(&second), ["path-refused", "ended"], "{second}");
+    // nothing fills the log, and both are told
+    assert_eq!(events(&first), ["path-stranger", "partner-awaited", "ended"], "{first}");
+    assert_eq!(events(&second), ["path-refused", "partner-awaited", "ended"], "{second}");
+    // so do their checks say
+    let [site, other] = write_sites(&folder, &ids);
+    let checks = [&site, &other].map(|site| program().arg("check").arg(site).spawn().unwrap());
+    let expected = [("warning", "was refused"), ("failed", "does not know")];
+    for (check, (verdict, said)) in checks.into_iter().zip(expected) {
+        let report = summary(&check.wait_with_output().unwrap());
+        let items = report["items"].as_array().unwrap();
+        let partner = items.iter().find(|item| item["item"] == "partner").unwrap();
+        assert_eq!(partner["verdict"], verdict, "{report}");
+        assert!(partner["found"].as_str().unwrap().contains(said), "{report}");
+    }
 }
 
 #[test]
@@ -164,12 +178,18 @@ fn law_what_cannot_be_is_refused_at_the_door() {
         (&id, own.as_str(), "the partner's id, not this site's"),
         ("local = \"", "local = \"[::1]:1\" # \"", "network.peer"),
         ("local = \"", "locale = \"", "unknown field `locale`"),
-        ("local = \"127", "local = \"x127", "invalid socket address"),
+        ("local = \"127", "local = \"x127", "expected an address with a port, such as \"127.0.0.1:4500\""),
         ("local = \"", "local = [\"0.0.0.0:1\", \"0.0.0.0:2\"] # \"", "at most one address of IPv4"),
         ("peer = [\"", "peer = [\"0.0.0.0:1\", \"", "network.peer = 0.0.0.0:1"),
         ("peer = [\"", "peer = [\"127.0.0.1:0\", \"", "network.peer = 127.0.0.1:0"),
         ("peer = [\"", "peer = [\"224.0.0.1:5\", \"", "network.peer = 224.0.0.1:5"),
         (key, "key = \"1.key\"\nrelayed = true", "network.relayed"),
+        (key, "key = \"1.key\"\nrelay_authority = \"connect.toml\"", "network.relay_authority = given"),
+        (
+            key,
+            "key = \"1.key\"\nrelay = \"https://relay.example.org\"\nrelay_authority = \"connect.toml\"",
+            "BEGIN CERTIFICATE",
+        ),
         (key, "key = \"1.key\"\nrelay = \"relay.example.org\"", "network.relay"),
         (key, "key = \"1.key\"\nrelay = \"http://relay.example.org\"", "network.relay"),
         (key, "key = \"1.key\"\nrelay = \"https://a:b@relay.example.org\"", "network.relay"),
@@ -188,9 +208,15 @@ fn law_what_cannot_be_is_refused_at_the_door() {
     assert!(message.contains("never overwritten"), "{message}");
     let message = refusal(&["relay-config", "relay.example.org", "--id", "no id"]);
     assert!(message.contains("--id"), "{message}");
-    let printed = said(&run(&["relay-config", "relay.example.org", "--id", &ids[0], "--id", &ids[1]]));
-    assert!(
-        printed.contains(&ids[0]) && printed.contains(&ids[1]) && printed.contains("allowlist"),
-        "{printed}"
-    );
+    // iroh-relay gets no certificate without an address, and would not start
+    let message = refusal(&["relay-config", "relay.example.org", "--id", &ids[0]]);
+    assert!(message.contains("--contact"), "{message}");
+    for certificate in [&["--contact", "you@example.org"][..], &["--own-certificate"]] {
+        let asked = ["relay-config", "relay.example.org", "--id", &ids[0], "--id", &ids[1]];
+        let printed = said(&run(&[&asked[..], certificate].concat()));
+        assert!(
+            printed.contains(&ids[0]) && printed.contains(&ids[1]) && printed.contains("allowlist"),
+            "{printed}"
+        );
+    }
 }

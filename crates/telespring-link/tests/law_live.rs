@@ -49,6 +49,8 @@ fn tick(number: u64) -> Item {
         unnoted_arrivals: 0,
         offset: None,
         consents: [true; 2],
+        pauses: [false; 2],
+        round_trip: None,
         share: 1.0,
         is_cut: false,
     };

@@ -73,7 +73,7 @@ fn law_the_loop_allocates_nothing() {
         let second = scope.spawn(move || uses(study, 2, second, 10.0, Some(flood)));
         [first.join().unwrap(), second.join().unwrap()]
     });
-    assert_eq!((first.0, first.1, first.2), (0, Phase::Ended, Cause::StopRequested));
+    assert_eq!((first.0, first.1, first.2), (0, Phase::Ended, Cause::TimeOver));
     assert_eq!((second.0, second.1, second.2), (0, Phase::Ended, Cause::PartnerLeft));
     assert!(first.3 > 100, "{}", first.3);
 }
@@ -90,6 +90,7 @@ fn law_the_loop_allocates_nothing_over_iroh() {
             peers: vec![places[1 - side]],
             local: vec![places[side]],
             relay: None,
+            relay_authority: None,
             relayed: false,
             priority: Some(40),
         })
@@ -106,6 +107,6 @@ fn law_the_loop_allocates_nothing_over_iroh() {
         let second = scope.spawn(move || uses(study, 2, second, 10.0, None));
         [first.join().unwrap(), second.join().unwrap()]
     });
-    assert_eq!((first.0, first.1, first.2), (0, Phase::Ended, Cause::StopRequested));
+    assert_eq!((first.0, first.1, first.2), (0, Phase::Ended, Cause::TimeOver));
     assert_eq!((second.0, second.1, second.2), (0, Phase::Ended, Cause::PartnerLeft));
 }

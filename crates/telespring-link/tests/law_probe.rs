@@ -208,37 +208,69 @@ fn law_a_blackout_is_one_burst_and_one_silence() {
 }
 
 #[test]
-fn law_a_partner_that_dies_leaves_the_own_way_known() {
-    let mut pair = pair(0.01, "", 2.0);
-    let mut last = Stage::Waiting;
-    for tick in 0..30_000 {
-        pair.clock.0.set(pair.clock.0.get() + 1_000_000);
-        last = pair.probes[0].tick(&pair.clocks[0], false);
-        if tick < 2_500 {
-            pair.probes[1].tick(&pair.clocks[1], false);
+fn law_a_partner_that_dies_leaves_the_way_towards_here_known() {
+    // in the middle of its measurement, and after it, before it has told anything
+    for (alive, expected) in [(1_200, 1_100..1_200), (2_500, 1_990..2_010)] {
+        let mut pair = pair(0.01, "", 2.0);
+        let mut last = Stage::Waiting;
+        for tick in 0..30_000 {
+            pair.clock.0.set(pair.clock.0.get() + 1_000_000);
+            last = pair.probes[0].tick(&pair.clocks[0], false);
+            if tick < alive {
+                pair.probes[1].tick(&pair.clocks[1], false);
+            }
         }
+        assert_eq!(last, Stage::Done(End::Silent));
+        let outcome = pair.probes[0].outcome();
+        assert!(outcome.towards_partner.is_none());
+        assert!(pair.probes[0].trace().is_none());
+        let way = outcome.towards_here.unwrap();
+        assert!(expected.contains(&way.received) && way.received == way.sent, "{way:?}");
+        let error = outcome.clock_error.unwrap() + 1e-3;
+        assert!((way.age.unwrap().median - 0.01).abs() <= error, "{way:?} {error}");
     }
-    assert_eq!(last, Stage::Done(End::Silent));
-    let outcome = pair.probes[0].outcome();
-    assert!(outcome.towards_partner.is_none());
-    assert!(pair.probes[0].trace().is_none());
 }
 
 #[test]
-fn law_a_stop_ends_the_measurement_and_what_was_sent_is_reported() {
-    let mut pair = pair(0.01, "", 600.0);
-    (0..1_500).for_each(|_| {
-        pair.tick(false);
-    });
-    let mut stages = pair.tick(true);
-    for _ in 0..20_000 {
-        stages = pair.tick(false);
+fn law_a_stop_at_one_side_ends_both_measurements_and_what_was_sent_is_reported() {
+    for stopped in [[true, true], [true, false], [false, true]] {
+        let mut pair = pair(0.01, "", 600.0);
+        (0..1_500).for_each(|_| {
+            pair.tick(false);
+        });
+        pair.clock.0.set(pair.clock.0.get() + 1_000_000);
+        for side in 0..2 {
+            pair.probes[side].tick(&pair.clocks[side], stopped[side]);
+        }
+        // stragglers of both sides, the reports, and the last word
+        let start = pair.clock.0.get();
+        let stages = pair.run();
+        let took = (pair.clock.0.get() - start) as f64 * 1e-9;
+        assert!(took < 5.0, "{stopped:?}: {took} s");
+        assert_eq!(stages, [Stage::Done(End::Complete); 2]);
+        for side in 0..2 {
+            let outcome = pair.probes[side].outcome();
+            assert!(pair.probes[side].trace().is_some());
+            for way in [outcome.towards_here.unwrap(), outcome.towards_partner.unwrap()] {
+                assert!(
+                    (1_400..3_000).contains(&way.sent) && way.received == way.sent,
+                    "{stopped:?} {way:?}"
+                );
+            }
+        }
     }
-    assert_eq!(stages, [Stage::Done(End::Complete); 2]);
-    let outcome = pair.probes[0].outcome();
-    let (here, there) = (outcome.towards_here.unwrap(), outcome.towards_partner.unwrap());
-    assert!((1_000..1_500).contains(&there.sent) && there.received == there.sent, "{there:?}");
-    assert!(here.received == here.sent && here.sent > 1_000);
+}
+
+#[test]
+fn law_of_two_durations_the_shorter_counts() {
+    let mut short = pair(0.01, "", 1.0);
+    let settings =
+        ProbeSettings { session: 77, period: Span(1_000_000), duration: Span::from_seconds(600.0) };
+    let end = End1 { side: 1, ahead: Span(1_000_000_000_000), paths: Rc::clone(&short.paths) };
+    short.probes[1] = Probe::new(settings, end).unwrap();
+    assert_eq!(short.run(), [Stage::Done(End::Complete); 2]);
+    let way = short.probes[0].outcome().towards_here.unwrap();
+    assert!((1_000..3_000).contains(&way.sent), "{way:?}");
 }
 
 #[test]

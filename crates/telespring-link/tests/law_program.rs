@@ -126,7 +126,7 @@ fn law_a_site_file_is_refused_with_the_key() {
         ("side = 1", "side = 1\nsid = 2", "unknown field `sid`"),
         ("study = \"connect.toml\"", "study = \"absent.toml\"", "absent.toml"),
         ("kind = \"udp\"", "kind = \"hebi\"", "unknown variant `hebi`"),
-        ("127.0.0.1:", "localhost:", "invalid socket address"),
+        ("127.0.0.1:", "localhost:", "expected an address with a port, such as \"127.0.0.1:4500\""),
         ("local = \"127.0.0.1:", "local = \"0.0.0.0:", "network.local = 0.0.0.0:"),
         ("peer = \"127.0.0.1:", "peer = \"192.0.2.7:", "network.peer = 192.0.2.7:"),
         ("device = \"127.0.0.1:", "device = \"192.0.2.7:", "device.device = 192.0.2.7:"),
@@ -164,11 +164,28 @@ fn law_a_site_file_is_refused_with_the_key() {
         ("\"guard\"", "\"spring\"", "study.session.strategy = \"spring\""),
         ("[session]", "[session]\npredictor = \"shared-target\"", "study.session.predictor"),
         ("stiffness = 100.0", "stiffness = -1.0", "study.coupling.stiffness"),
+        ("stiffness = 100.0", "damping = 0.0", "Write stiffness = 20.0 under [coupling]"),
+        (", damping = 8.0", "", "the least damping that the robot certainly has"),
     ] {
         assert!(study.contains(from), "{from}");
         fs::write(folder.join("connect.toml"), study.replace(from, to)).unwrap();
         let message = refusal(&["run", site.to_str().unwrap()]);
         assert!(message.contains(said), "{to}: {message}");
+    }
+    // a robot with one axis is sent where it finds how to take part, whatever else the study has
+    let robots = |axes: &str, damping: &str| {
+        let robot = format!("{{axes = [{axes}], mass = 1, damping = {damping}}}");
+        format!("robot1 = {robot}\nrobot2 = {robot}\ncoupling.stiffness = 100\nnetwork.delay = 0.003\n")
+    };
+    let guarded = |text: String| text + "session.strategy = \"guard\"\n";
+    for (text, said) in [
+        (robots("\"x\"", "8"), "docs/your-robot.md says how a robot with one axis takes part"),
+        (guarded(robots("\"x\"", "8")), "docs/your-robot.md says how a robot with one axis takes part"),
+        (guarded(robots("\"x\", \"y\"", "0")), "the guard needs robots with damping above 0"),
+    ] {
+        fs::write(folder.join("connect.toml"), text).unwrap();
+        let message = refusal(&["run", site.to_str().unwrap()]);
+        assert!(message.contains(said), "{message}");
     }
     // a port that somebody has
     fs::write(folder.join("connect.toml"), &study).unwrap();
@@ -412,9 +429,19 @@ fn assert_is_coupled_and_let_go(name: &str, mut robot: Command) {
     // of a console the last line
     let last = String::from_utf8_lossy(&site.stdout).lines().last().unwrap().to_owned();
     let [site, other] = [serde_json::from_str(&last).unwrap(), summary(&other)];
-    assert_eq!([&site["cause"], &other["cause"]], ["stop-requested", "partner-left"]);
-    for event in ["order-refused", "mark", "consented", "partner-consented", "ramping-in"] {
+    assert_eq!([&site["cause"], &other["cause"]], ["time-over", "partner-left"]);
+    for event in ["order-refused", "mark", "consented", "partner-consented", "force-ramping-in"] {
         assert!(events(&site).contains(&event), "{event}: {site}");
+    }
+    // what is told is in the order of its time
+    for summary in [&site, &other] {
+        let times: Vec<f64> = summary["events"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|entry| entry["time"].as_f64().unwrap())
+            .collect();
+        assert!(times.is_sorted(), "{summary}");
     }
     // its rows set the pace; the other side has none
     assert!(site["lateness"]["followed"].as_u64().unwrap() > 100, "{site}");

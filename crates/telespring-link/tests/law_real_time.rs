@@ -7,7 +7,7 @@ use telespring::session::{Span, WatchdogState};
 use telespring::study::Study;
 use telespring_link::conduct::{Plan, conduct};
 use telespring_link::demo::ROBOTS;
-use telespring_link::device::Simulated;
+use telespring_link::device::{Simulated, UdpDevice};
 use telespring_link::hello::draw_session;
 use telespring_link::real_time::Limits;
 use telespring_link::settings::{LoopChoice, PaceChoice};
@@ -136,4 +136,45 @@ fn law_after_the_partner_has_died_the_force_is_zero_in_time() {
             "{summary:#?}"
         );
     });
+}
+
+#[test]
+fn law_nothing_but_a_new_row_of_the_device_sets_the_pace() {
+    let study = study(142.0);
+    let [link, _partner] = links();
+    let [robot, site] = [(); 2].map(|()| UdpSocket::bind("127.0.0.1:0").unwrap());
+    let [here, there] = [&robot, &site].map(|socket| socket.local_addr().unwrap());
+    robot.connect(there).unwrap();
+    // after its deadline a device may count from the beginning: not here
+    let device = UdpDevice::on(site, here, Span(10_000_000_000)).unwrap();
+    let over = AtomicBool::new(false);
+    let seconds = 0.6;
+    let summary = std::thread::scope(|scope| {
+        let over = &over;
+        // noise, rows of zeros, orders, and one row again and again, as fast as a flood
+        scope.spawn(move || {
+            let row =
+                |values: &[f64]| values.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>();
+            let mut sequence = 0.0;
+            while !over.load(Ordering::Relaxed) {
+                sequence += 1.0;
+                let state = row(&[1.0, 7.0, 0.1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0]);
+                for bytes in [b"noise".to_vec(), vec![0; 104], row(&[1.0, sequence, 14.0, 1.0]), state] {
+                    let _ = robot.send(&bytes);
+                }
+                std::thread::sleep(std::time::Duration::from_micros(100));
+            }
+        });
+        let settings = SiteSettings::new(&study, 1, draw_session(), Safety::default()).unwrap();
+        let real_time = LoopChoice { priority: None, pace: PaceChoice::Device, ..PRIORITY };
+        let limits = Limits { duration: Some(Span::from_seconds(seconds)) };
+        let plan = Plan { real_time, limits, ..Plan::default() };
+        let summary = conduct(settings, device, link, plan, &AtomicBool::new(false), |_| {}).unwrap();
+        over.store(true, Ordering::Relaxed);
+        summary
+    });
+    // the only row that is new may come in the middle of a period; the goodbye takes 50 ms
+    let most = (1e3 * (seconds + 0.06)) as u64;
+    assert!(summary.lateness.ticks <= most && summary.lateness.followed <= 1, "{:?}", summary.lateness);
+    assert_eq!(summary.cause, Some("time-over"));
 }

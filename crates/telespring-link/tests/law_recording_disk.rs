@@ -109,7 +109,7 @@ fn law_a_session_goes_on_without_its_recording_and_says_so_once() {
     for bytes in [0, 3000, 6000] {
         let (recorder, recording, _) = recorder(Full(bytes), 1);
         let summary = short(1.5, vec![Box::new(recorder)], Some(recording));
-        assert_eq!((summary.state, summary.cause), ("ended", Some("stop-requested")), "{bytes}");
+        assert_eq!((summary.state, summary.cause), ("ended", Some("time-over")), "{bytes}");
         let told = summary.events.iter().filter(|entry| entry.event == "recording-broken").count();
         let recording = summary.recording.unwrap();
         assert_eq!(recording.status, "broken", "{bytes}");

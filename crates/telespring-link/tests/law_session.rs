@@ -8,7 +8,7 @@ use telespring::session::{Motion, PeerTime, Span, WatchdogState};
 use telespring::study::Study;
 use telespring_link::device::Fault;
 use telespring_link::hello::{Disagreement, Greeting, Purpose, Terms};
-use telespring_link::site::{Cause, Happened, Interruption, Phase};
+use telespring_link::site::{Cause, Happened, Interruption, Phase, Why};
 
 const GUARD: &str = "coupling.stiffness = 100\nnetwork.delay = 0.02\nsession.strategy = \"guard\"";
 
@@ -244,7 +244,9 @@ fn law_a_device_that_stops_or_fails_has_no_force_from_that_tick_on() {
             assert_eq!(pair.phases(), [Phase::Ended; 2]);
         } else {
             assert!(pair.happened(0, &Happened::Interrupted(cause)));
-            assert!(pair.happened(1, &Happened::Interrupted(Interruption::Partner)));
+            let stopped = cause == Interruption::EmergencyStop;
+            let why = Interruption::Partner(if stopped { Why::Stopped } else { Why::NotReady });
+            assert!(pair.happened(1, &Happened::Interrupted(why)));
             let phase = if cause == Interruption::EmergencyStop { Phase::Stopped } else { Phase::Homing };
             assert_eq!(pair.phases(), [phase; 2]);
         }

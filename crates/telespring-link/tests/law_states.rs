@@ -6,10 +6,11 @@ use common::{Pair, hman_study};
 use telespring::session::watchdog::Cause;
 use telespring::session::{EventKind, Span, WatchdogState};
 use telespring::study::Study;
+use telespring_link::console::Gauge;
 use telespring_link::device::Fault;
-use telespring_link::hello::MAGIC;
+use telespring_link::hello::{Greeting, MAGIC};
 use telespring_link::operator::{Mark, MarkKind, Order};
-use telespring_link::site::{Happened, Interruption, Limit, Limits, Phase, Rules, SiteSettings};
+use telespring_link::site::{Happened, Interruption, Limit, Limits, Phase, Rules, SiteSettings, Why};
 
 const GUARD: &str = "coupling.stiffness = 100\nnetwork.delay = 0.02\nsession.strategy = \"guard\"";
 /// The force of the spring between two handles 2 cm apart, N.
@@ -174,7 +175,7 @@ fn law_a_pause_of_either_side_is_one_of_both_and_ends_by_its_own_order_and_two_c
         run_smoothly(&mut pair, 400, false);
         assert_eq!((pair.phases(), pair.forces()), ([Phase::Paused; 2], [[0.0; 2]; 2]));
         assert!(pair.happened(side, &Happened::Interrupted(Interruption::PauseOrdered)));
-        assert!(pair.happened(1 - side, &Happened::Interrupted(Interruption::Partner)));
+        assert!(pair.happened(1 - side, &Happened::Interrupted(Interruption::Partner(Why::Paused))));
         // neither a consent nor the other side ends it
         for order in [Order::Consent, Order::Resume] {
             pair.order(1 - side, order);
@@ -420,9 +421,9 @@ fn law_markers_are_events_at_any_time() {
         pair.order(phase, Order::Mark(mark));
         pair.tick();
         assert!(pair.happened(phase, &Happened::Mark(mark)));
-        pair.order(phase, Order::Unknown);
+        pair.order(phase, Order::unknown("consnt"));
         pair.tick();
-        let refused = Happened::OrderRefused { order: Order::Unknown, phase: Phase::Consenting };
+        let refused = Happened::OrderRefused { order: Order::unknown("consnt"), phase: Phase::Consenting };
         assert!(pair.happened(phase, &refused));
     }
     pair.order(0, Order::Stop);
@@ -693,4 +694,104 @@ fn law_a_machine_that_was_suspended_lets_go_at_once_and_both_consent_anew() {
     pair.run(2000, |_, forces| assert_eq!(forces, [[0.0; 2]; 2]));
     assert_eq!(pair.phases(), [Phase::Consenting; 2]);
     consent(&mut pair);
+}
+
+/// Two sites whose people consent by themselves, of which `side` locks y.
+fn locked(side: u8) -> Pair {
+    Pair::with([&study(), &study()], 0.02, move |settings| {
+        let lock = [false, settings.terms.side == side];
+        SiteSettings { limits: Limits { lock, ..settings.limits }, ..settings.simulated() }
+    })
+}
+
+#[test]
+fn law_an_axis_that_one_site_locks_is_out_of_the_coupling_at_both() {
+    for side in [1, 2] {
+        let mut pair = locked(side);
+        // far apart along the locked axis, and moving along it: one robot has no such axis
+        pair.devices[0].change(|script| (script.position, script.velocity) = ([0.0, 0.3], [0.0, 0.4]));
+        pair.devices[1].change(|script| script.position = [0.015, -0.2]);
+        pair.run(1500, |pair, forces| {
+            assert_eq!(forces.map(|[_, y]| y), [0.0; 2]);
+            // nor does it cost any of the account
+            assert_eq!([0, 1].map(|side| pair.site_of(side).session_report().strategy.limited_ticks), [0; 2]);
+        });
+        assert_eq!(pair.phases(), [Phase::Running; 2]);
+        let [[x, _], [u, _]] = pair.forces();
+        assert!((x - 1.5).abs() < 1e-6 && (u + 1.5).abs() < 1e-6, "{x} {u}");
+        for (at, by) in [[side == 1, side == 2], [side == 2, side == 1]].into_iter().enumerate() {
+            assert!(pair.happened(at, &Happened::AxisLocked { axis: 1, by }));
+        }
+        // each robot is still watched along it
+        pair.devices[0].change(|script| script.velocity = [0.0, 2.1]);
+        pair.run(300, |_, _| {});
+        assert!(pair.happened(0, &Happened::Interrupted(Interruption::Velocity)));
+    }
+    // nobody locks it
+    let mut pair = locked(3);
+    pair.devices[1].change(|script| script.position = [0.015, -0.2]);
+    pair.run(1500, |_, forces| assert_eq!(forces, [[0.0; 2]; 2]));
+    assert_eq!(pair.phases(), [Phase::Aligning; 2]);
+}
+
+#[test]
+fn law_a_lock_of_the_partner_holds_for_its_session_only() {
+    let mut pair = locked(2);
+    pair.run(1500, |_, _| {});
+    assert_eq!(pair.phases(), [Phase::Running; 2]);
+    // a greeting of the same session with another lock changes nothing
+    let mut greeting = Greeting::decode(&pair.ends[0].wire.borrow().latest[0].unwrap());
+    for _ in 0..200 {
+        pair.tick();
+        greeting = greeting.or(Greeting::decode(&pair.ends[0].wire.borrow().latest[0].unwrap()));
+    }
+    let mut greeting = greeting.unwrap();
+    assert_eq!(greeting.terms.lock, [false, true]);
+    greeting.terms.lock = [true, false];
+    greeting.stamps.sent += 1_000_000_000;
+    pair.ends[0].wire.borrow_mut().injected[0].push(greeting.encode().to_vec());
+    pair.devices[0].change(|script| script.position = [0.0, 0.1]);
+    pair.run(5, |_, [[x, y], _]| assert!(y == 0.0 && x > 0.5, "{x} {y}"));
+}
+
+#[test]
+fn law_what_is_missing_at_the_start_is_told_once() {
+    let pair = consenting();
+    assert!(!pair.happened(0, &Happened::PartnerAwaited) && !pair.happened(0, &Happened::DeviceAwaited));
+    let mut pair = Pair::new([&study(), &study()], 0.02);
+    pair.sites[1] = None;
+    pair.devices[0].change(|script| script.is_measured = false);
+    pair.run(20_000, |_, _| {});
+    for happened in [Happened::PartnerAwaited, Happened::DeviceAwaited] {
+        let entries = pair.site_of(0).log().entries();
+        assert_eq!(entries.iter().filter(|(_, one)| *one == happened).count(), 1, "{happened:?}");
+    }
+}
+
+#[test]
+fn law_a_status_says_who_wants_a_pause_and_nothing_of_an_earlier_time() {
+    let mut pair = running();
+    let now = |pair: &Pair, side: usize| Gauge::new(1).take(&pair.moment(side), Span(0), 0).unwrap();
+    assert!(now(&pair, 0).round_trip.is_some_and(|trip| (0.03..0.06).contains(&trip)));
+    pair.order(1, Order::Pause);
+    pair.run(400, |_, _| {});
+    assert_eq!([now(&pair, 0).pauses, now(&pair, 1).pauses], [[false, true], [true, false]]);
+    let status = now(&pair, 0);
+    assert_eq!((status.watchdog, status.watchdog_cause, status.age), ("disengaged", None, None));
+    // the greetings go on, and their round trip is of now
+    assert!(status.round_trip.is_some_and(|trip| (0.03..0.06).contains(&trip)), "{status:?}");
+    pair.sites[1] = None;
+    pair.run(1500, |_, _| {});
+    assert_eq!(now(&pair, 0).round_trip, None);
+}
+
+#[test]
+fn law_an_impossible_value_is_told_with_its_place_in_the_row() {
+    let mut pair = running();
+    pair.devices[0].change(|script| script.velocity[1] = f64::NAN);
+    pair.run(10, |_, _| {});
+    let told = |happened: &Happened| matches!(happened, Happened::ImpossibleValue { what, .. } if *what == "velocity in y (place 6)");
+    assert!(pair.site_of(0).log().entries().iter().any(|(_, happened)| told(happened)));
+    // and the events are in the order of their times
+    assert!(pair.site_of(0).log().entries().is_sorted_by_key(|(time, _)| *time));
 }

@@ -46,7 +46,7 @@ fn law_the_program_couples_two_namespaces_over_an_impaired_path() {
         assert_eq!(output.status.code(), Some(0), "{output:?}");
         let summary = summary(output);
         println!("{} {} {} {}", summary["age"], summary["loss"], summary["round_trip"], summary["path"]);
-        assert_eq!(summary["cause"], ["stop-requested", "partner-left"][side], "{summary}");
+        assert_eq!(summary["cause"], ["time-over", "partner-left"][side], "{summary}");
         assert!(events(&summary).contains(&"engaged"), "{summary}");
         assert!(summary["coupled_share"].as_f64().unwrap() > 0.5, "{summary}");
         let largest = summary["largest_force"].as_f64().unwrap();

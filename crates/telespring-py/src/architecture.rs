@@ -2,7 +2,7 @@
 
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use telespring::session::architecture::PlayoutDesign;
+use telespring::session::architecture::{GuardDesign, PlayoutDesign, StrategyDesign};
 use telespring::session::{self, Overdraft as CoreOverdraft};
 use telespring::study::{Study, Table, Value, keys};
 
@@ -84,6 +84,16 @@ impl Architecture {
     #[getter]
     fn has_account(&self) -> bool {
         self.0.strategy.has_account()
+    }
+
+    /// Of the guard: the share of the robot's loss that it may give out again, what its account holds at the start (J),
+    /// and the largest power at which it takes the partner's energy in (W). None for another strategy.
+    #[getter]
+    fn guard_settings(&self) -> Option<(f64, f64, f64)> {
+        match self.0.strategy {
+            StrategyDesign::Guard(GuardDesign { share, capacity, intake }) => Some((share, capacity, intake)),
+            _ => None,
+        }
     }
 
     /// The keys of the section `[session]` with their values: a word, or a dict where a setting is not the usual one.

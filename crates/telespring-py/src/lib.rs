@@ -21,6 +21,7 @@ mod network;
 mod operator_range;
 mod participants;
 mod plant;
+mod population;
 mod poses;
 mod prediction;
 mod recording;
@@ -50,6 +51,9 @@ mod _core {
     #[pymodule_export]
     #[expect(non_upper_case_globals, reason = "Python's name for it")]
     const __version__: &str = env!("CARGO_PKG_VERSION");
+    /// Each bin of `tally_population` ends at this many times the value at which it begins.
+    #[pymodule_export]
+    const POPULATION_BIN_RATIO: f64 = telespring::population::BIN_RATIO;
     #[pymodule_export]
     use crate::adversary::Adversary;
     #[pymodule_export]
@@ -81,6 +85,8 @@ mod _core {
     use crate::participants::{Agent, Arm, Task};
     #[pymodule_export]
     use crate::plant::{arm_operator, simulate_handle};
+    #[pymodule_export]
+    use crate::population::tally_population;
     #[pymodule_export]
     use crate::poses::{cross_inertia, pose_stability, pose_system};
     #[pymodule_export]

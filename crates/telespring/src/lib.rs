@@ -8,6 +8,7 @@
 //! | [`study`] | reads and writes study files |
 //! | [`criteria`] | crossings, critical stiffness, stable delays and their inverses, for one axis |
 //! | [`verdicts`](mod@verdicts) | the five verdicts on a dyad over a network |
+//! | [`decision`] | the answer in one word, with what it keeps in reserve |
 //! | [`spectrum`] | characteristic roots with a certificate that none is missing |
 //! | [`response`] | transfer matrix, Nyquist locus, magnitude and phase |
 //! | [`dde`] | time response: exact for the linear dyad, adaptive for any right-hand side |
@@ -15,6 +16,7 @@
 //! | [`prediction`] | what a predictor does to the loop |
 //! | [`rig`] | the virtual laboratory: two sessions, robots, arms and a network in virtual time |
 //! | [`delay_system`] | any linear system with several constant delays |
+//! | [`population`] | how often the paper's critical stiffness is unsafe in a population of dyads |
 //! | [`poses`] | a dyad held by two-link arms, one frozen pose at a time |
 //! | [`quantity`] | the physical quantities with their units and ranges |
 //! | [`error`] | the error type for invalid input |
@@ -26,9 +28,11 @@
 
 pub mod criteria;
 pub mod dde;
+pub mod decision;
 pub mod delay_system;
 pub mod error;
 pub mod model;
+pub mod population;
 pub mod poses;
 pub mod prediction;
 pub mod quantity;

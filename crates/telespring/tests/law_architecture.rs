@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// The modules from the ground up, each with all that it may import.
-const FLOORS: [(&str, &[&str]); 16] = [
+const FLOORS: [(&str, &[&str]); 17] = [
     ("error", &[]),
     ("poly", &[]),
     ("quantity", &["error"]),
@@ -20,9 +20,11 @@ const FLOORS: [(&str, &[&str]); 16] = [
     ("delay_system", &["error", "quantity", "model", "prediction", "spectrum"]),
     ("poses", &["error", "quantity", "model", "rig", "spectrum", "delay_system"]),
     ("criteria", &["error", "quantity", "model", "poly", "characteristic", "prediction", "spectrum"]),
+    ("population", &["error", "quantity", "model", "criteria"]),
     ("response", &["error", "quantity", "model", "characteristic", "criteria"]),
     ("verdicts", &["error", "quantity", "model", "poly", "characteristic", "criteria"]),
     ("study", &["error", "quantity", "session", "model", "criteria", "verdicts", "rig"]),
+    ("decision", &["error", "model", "verdicts", "rig", "study"]),
 ];
 
 /// All Rust files under a folder.

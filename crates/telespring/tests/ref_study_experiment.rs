@@ -148,8 +148,9 @@ fn ref_a_study_with_one_axis_has_no_experiment() {
     let refused = Study::from_toml(&format!("{text}\n[task]\nangular_frequency = 2")).unwrap_err();
     assert_eq!(
         refused.to_string(),
-        "task = a section: a rehearsal needs robots with exactly the two axes \"x\" and \"y\", but these \
-         have [\"x\"]. Remove the section, or give both robots these axes. See line 11."
+        "task = a section: a rehearsal, or a live session, needs robots with exactly the two axes \"x\" and \"y\", but \
+         these have [\"x\"]. Give both robots these axes, or remove the section for a study that is neither rehearsed \
+         nor run live. docs/your-robot.md says how a robot with one axis takes part. See line 11."
     );
 }
 

@@ -267,6 +267,7 @@ def recording_facts(recording: SessionRecording) -> dict[str, Any]:
     return {
         "recording": _recording_facts(recording),
         "clock": _clock_facts(recording),
+        "streams": _stream_facts(recording),
         "warnings": _warnings(recording),
     }
 
@@ -308,6 +309,28 @@ def _clock_facts(recording: SessionRecording) -> dict[str, Any] | None:
     }
 
 
+def _stream_facts(recording: SessionRecording) -> list[dict[str, Any]] | None:
+    """List the streams of an XDF file, and how the recorder's clock differs from theirs; None without."""
+    if not recording.streams:
+        return None
+    return [
+        {
+            "side": number,
+            "name": stream.name,
+            "host": stream.host or None,
+            "samples": stream.samples,
+            "clock_offset": stream.clock.line[0] if stream.clock.time.size else None,
+            "clock_drift": stream.clock.line[1] if stream.clock.time.size else None,
+            "clock_scatter": stream.clock.scatter if stream.clock.time.size else None,
+            "clock_offsets": [
+                {"time": time, "offset": offset}
+                for time, offset in zip(stream.clock.time.tolist(), stream.clock.offset.tolist(), strict=True)
+            ],
+        }
+        for number, stream in recording.streams.items()
+    ]
+
+
 def _warnings(recording: SessionRecording) -> list[str]:
     found = []
     for number, side in recording.sides.items():
@@ -329,6 +352,11 @@ def _warnings(recording: SessionRecording) -> list[str]:
         found.append(
             f"The sites contradict each other's clocks by {format_time(clock.disagreement * 1e-9, 3)}: a "
             "clock was set, or runs too fast. Times of one site against the other's are in doubt."
+        )
+    if clock is not None and recording.streams:
+        found.append(
+            "The clocks of both sites were compared by the recorder of the XDF file, which states no bound: "
+            f"its offsets scatter by {format_time(clock.uncertainty, 2, rounding='up')}."
         )
     if len(recording.sides) == 1:
         found.append(_only_one_site(recording))

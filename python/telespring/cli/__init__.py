@@ -17,6 +17,8 @@ from telespring.cli.common import refusals
 from telespring.cli.compare import compare_command
 from telespring.cli.connect import connect_command
 from telespring.cli.decide import decide_command
+from telespring.cli.export import export_command
+from telespring.cli.explore import explore_command
 from telespring.cli.help import Command, Group
 from telespring.cli.identify import identify_command
 from telespring.cli.merge import merge_command
@@ -26,6 +28,7 @@ from telespring.cli.rehearse import rehearse
 from telespring.cli.replay import replay_command
 from telespring.cli.reproduce import reproduce_command, study_command
 from telespring.cli.simulate import simulate_command
+from telespring.cli.sweep import sweep_command
 from telespring.cli.terminal import close_output, output_trouble, prepare_streams
 from telespring.cli.trace import trace_command
 
@@ -40,12 +43,15 @@ app = typer.Typer(
     rich_markup_mode="rich",
 )
 app.command("decide", cls=Command)(decide_command)
+app.command("explore", cls=Command)(explore_command)
 app.command("simulate", cls=Command)(simulate_command)
 app.command("identify", cls=Command)(refusals()(identify_command))
 app.command("rehearse", cls=Command)(refusals()(rehearse))
 app.command("trace", cls=Command)(refusals()(trace_command))
 app.command("compare", cls=Command)(refusals()(compare_command))
+app.command("sweep", cls=Command)(refusals()(sweep_command))
 app.command("analyse", cls=Command)(analyse_command)
+app.command("export", cls=Command)(refusals()(export_command))
 app.command("probe", cls=Command)(refusals()(probe_command))
 app.command("connect", cls=Command)(refusals()(connect_command))
 app.command("merge", cls=Command)(refusals()(merge_command))

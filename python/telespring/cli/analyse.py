@@ -36,7 +36,7 @@ def analyse_command(
         Path | None,
         typer.Argument(
             metavar="PATH",
-            help="A rehearsal (.nc or its folder), recorded trials (CSV) or a live session (.mcap).",
+            help="A rehearsal (.nc or its folder), recorded trials (CSV) or a live session (.mcap, .xdf).",
         ),
     ] = None,
     study: TaskStudy = None,

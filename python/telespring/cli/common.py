@@ -30,6 +30,7 @@ __all__ = [
     "Robot1",
     "Robot2",
     "Robots",
+    "ShardOption",
     "Stiffness",
     "StudyFile",
     "TaskStudy",
@@ -111,6 +112,15 @@ TaskStudy = Annotated[
 Workers = Annotated[
     int | None,
     typer.Option(help="Trials to run in parallel. Default: one per core, or 1 with agents in Python."),
+]
+ShardOption = Annotated[
+    str | None,
+    typer.Option(
+        "--shard",
+        metavar="I/N",
+        help="Run only share I of N, such as 2/8, in a folder of its own inside --out. "
+        "`telespring merge` puts all shares together.",
+    ),
 ]
 LogRate = Annotated[
     float | None,

@@ -6,21 +6,25 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from rich.console import Console
 
-from telespring.cli.common import AllowUnusual, Robot1, Robot2, Robots, Workers
+from telespring.cli.common import AllowUnusual, Robot1, Robot2, Robots, ShardOption, Workers
 from telespring.cli.figure_file import check_folder_keeps_inputs, save_figure
 from telespring.cli.question import StudyOptions
 from telespring.cli.resuming import resuming
 from telespring.cli.terminal import screen_console
-from telespring.comparison import run_comparison
+from telespring.comparison import Comparison, run_comparison
+from telespring.comparison.shares import run_comparison_share
 from telespring.comparison.store import COMPARISON_FILES
-from telespring.model import Study
+from telespring.model import Dyad, Study
 from telespring.rehearsal.preflight import preflight_warnings
+from telespring.rehearsal.shards import read_shard
 from telespring.show.drawings.comparison import COMPARISON_FIGURES, draw_comparison
 from telespring.show.screens.comparison import comparison_screen
 from telespring.show.screens.rehearsal import preflight_screen
+from telespring.show.screens.shards import share_outcome_screen
 
-__all__ = ["compare_command"]
+__all__ = ["compare_command", "show_comparison"]
 
 
 def compare_command(
@@ -44,6 +48,7 @@ def compare_command(
             help="Compare only the bare spring, the guard, and the guard with a shared target. Few trials.",
         ),
     ] = False,
+    shard: ShardOption = None,
     workers: Workers = None,
     robot: Robots = None,
     robot1: Robot1 = None,
@@ -63,6 +68,7 @@ def compare_command(
     Example: telespring compare --quick
     """
     console = screen_console()
+    share = read_shard(shard)
     asked = StudyOptions(study)
     asked.take_robots(robot, robot1, robot2)
     folder = out or Path("out/comparison-quick" if quick else "out/comparison")
@@ -71,11 +77,24 @@ def compare_command(
     compared = asked.read(Study.paper())
     modules = None if study is None else study.parent
     preflight_screen(console, preflight_warnings(compared, modules))
+    if share is not None:
+        with resuming(console, folder) as progress:
+            outcome = run_comparison_share(
+                compared, folder, share, progress, workers, quick=quick, fresh=fresh, modules=modules
+            )
+        share_outcome_screen(console, share, outcome.dataset.parent, folder, outcome.trials)
+        return
     with resuming(console, folder) as progress:
         comparison = run_comparison(
             compared, folder, progress, workers, quick=quick, fresh=fresh, modules=modules
         )
-    for name, figure in draw_comparison(comparison.dataset, comparison.recommendation, compared.dyad):
+    show_comparison(console, comparison, compared.dyad)
+
+
+def show_comparison(console: Console, comparison: Comparison, dyad: Dyad) -> None:
+    """Write the figures of a comparison, and print what it found."""
+    folder = comparison.folder
+    for name, figure in draw_comparison(comparison.dataset, comparison.recommendation, dyad):
         save_figure(figure, folder / name)
     comparison_screen(console, comparison)
     if comparison.recommended is not None:

@@ -1,4 +1,4 @@
-"""The command `telespring merge`: both sites of a live session on one time base."""
+"""The command `telespring merge`: two recordings of a live session, or the shares of some long work."""
 
 from __future__ import annotations
 
@@ -7,37 +7,126 @@ from typing import Annotated
 
 import typer
 
+from telespring._errors import InvalidInput
 from telespring.cli.common import print_json
 from telespring.cli.figure_file import check_not_an_input
-from telespring.cli.terminal import show
+from telespring.cli.terminal import screen_console, show
 
 __all__ = ["merge_command"]
 
 
 def merge_command(
-    first: Annotated[Path, typer.Argument(metavar="A.mcap", help="The recording of one site.")],
-    second: Annotated[Path, typer.Argument(metavar="B.mcap", help="The recording of the other site.")],
-    out: Annotated[
-        Path, typer.Option("--out", metavar="SESSION.mcap", help="Where to write the merged recording.")
+    parts: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="A.mcap B.mcap | FOLDER...",
+            help="The recordings of both sites; or the folders of shares, or the folder that contains them.",
+        ),
     ],
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out",
+            metavar="SESSION.mcap | FOLDER",
+            help="Where to write the merged recording, or the result of the shares.",
+            show_default="of shares, the folder that contains them",
+        ),
+    ] = None,
+    study: Annotated[
+        Path | None,
+        typer.Option(
+            "--study",
+            metavar="STUDY.toml",
+            help="The study of the shares, if it has agents, targets or traces beside it and ran elsewhere.",
+        ),
+    ] = None,
+    zarr: Annotated[bool, typer.Option("--zarr", help="Write the result of a sweep as sweep.zarr.")] = False,
+    progress: Annotated[
+        bool, typer.Option("--progress", help="Say how far each share is, and merge nothing.")
+    ] = False,
     as_json: Annotated[
         bool, typer.Option("--json", help="Print JSON in SI units instead of the sentences.")
     ] = False,
 ) -> None:
-    """Put the recordings of both sites of a live session on one time base.
+    """Put together both recordings of a live session, or the shares of long work.
 
-    The clocks are compared by what each site knew of the other's; the rest is stated as the uncertainty of
-    the common time.
+    Recordings come on one time base. The clocks are compared by what each site knew of the other's; the rest
+    is stated as the uncertainty of the common time.
+
+    Shares, which `rehearse`, `compare` and `sweep` run with --shard, become the result that one machine
+    makes.
 
     Example: telespring merge site1.mcap site2.mcap --out session.mcap
+
+    Example: telespring merge out/sweep
     """
+    if any(part.is_dir() for part in parts):
+        if progress:
+            _say_progress(parts, as_json=as_json)
+        else:
+            _merge_shares(parts, out, study, as_zarr=zarr, as_json=as_json)
+        return
+    _merge_recordings(parts, out, as_json=as_json)
+
+
+def _merge_recordings(parts: list[Path], out: Path | None, *, as_json: bool) -> None:
     from telespring.analysis.sessions import recording_facts
     from telespring.recording import merge_recordings
     from telespring.show.screens.session import merge_screen
 
-    check_not_an_input("--out", out, [first, second])
-    found = recording_facts(merge_recordings(first, second, out))
+    if len(parts) != 2:
+        raise InvalidInput(
+            "A.mcap B.mcap",
+            ", ".join(map(str, parts)),
+            "two recordings, or folders of shares",
+            "Name the recordings of both sites; or the folder that was given as --out with --shard.",
+        )
+    if out is None:
+        raise InvalidInput("--out", "", "a file for the merged recording", "Write --out session.mcap.")
+    check_not_an_input("--out", out, parts)
+    found = recording_facts(merge_recordings(parts[0], parts[1], out))
     if as_json:
         print_json(found | {"out": str(out)})
     else:
         show(merge_screen(found, str(out)))
+
+
+def _say_progress(parts: list[Path], *, as_json: bool) -> None:
+    from telespring.show.screens.shards import share_progress_screen
+    from telespring.sweeps.merging import share_progress
+
+    shares = share_progress(parts)
+    if as_json:
+        print_json(
+            [
+                {"shard": str(each.facts.shard), "finished": each.finished, "all": each.facts.trials}
+                for each in shares
+            ]
+        )
+    else:
+        show(share_progress_screen(shares))
+
+
+def _merge_shares(
+    parts: list[Path], out: Path | None, study: Path | None, *, as_zarr: bool, as_json: bool
+) -> None:
+    from telespring.cli.compare import show_comparison
+    from telespring.comparison import Comparison
+    from telespring.model import Study
+    from telespring.sweeps.merging import merge_shares
+    from telespring.sweeps.run import SweepOutcome
+
+    merged = merge_shares(parts, out, modules=None if study is None else study.parent, as_zarr=as_zarr)
+    console = screen_console()
+    if isinstance(merged, Comparison):
+        if as_json:
+            print_json(merged.to_dict() | {"folder": str(merged.folder)})
+        else:
+            show_comparison(console, merged, Study.from_toml(str(merged.dataset.attrs["study"])).dyad)
+        return
+    count = merged.done if isinstance(merged, SweepOutcome) else merged.trials
+    if as_json:
+        print_json({"results": count, "dataset": str(merged.dataset)})
+        return
+    console.print(f"{count} results put together", markup=False)
+    console.print(f"Dataset: {merged.dataset}", markup=False)

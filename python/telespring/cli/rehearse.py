@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from telespring.cli.common import AllowUnusual, Robot1, Robot2, Robots, Workers
+from telespring.cli.common import AllowUnusual, Robot1, Robot2, Robots, ShardOption, Workers
 from telespring.cli.figure_file import check_folder_keeps_inputs
 from telespring.cli.question import StudyOptions
 from telespring.cli.resuming import resuming
@@ -17,12 +17,14 @@ from telespring.decision.arm_stability import arm_stability
 from telespring.model import Study
 from telespring.rehearsal import run_protocol
 from telespring.rehearsal.preflight import preflight_warnings
+from telespring.rehearsal.shards import read_shard
 from telespring.rehearsal.store import REHEARSAL_FILES
 from telespring.show.screens.rehearsal import (
     preflight_screen,
     rehearsal_outcome_screen,
     rehearsed_conditions_screen,
 )
+from telespring.show.screens.shards import share_outcome_screen
 
 __all__ = ["rehearse"]
 
@@ -35,6 +37,7 @@ def rehearse(
     out: Annotated[Path, typer.Option(help="Folder for the trials and for rehearsal.nc.")] = Path(
         "out/rehearsal"
     ),
+    shard: ShardOption = None,
     workers: Workers = None,
     robot: Robots = None,
     robot1: Robot1 = None,
@@ -51,6 +54,7 @@ def rehearse(
     from telespring.rehearsal.summary import summarise_dataset
 
     console = screen_console()
+    share = read_shard(shard)
     asked = StudyOptions(study)
     asked.take_robots(robot, robot1, robot2)
     check_folder_keeps_inputs("--out", out, REHEARSAL_FILES, asked.inputs)
@@ -60,8 +64,11 @@ def rehearse(
     preflight_screen(console, preflight_warnings(rehearsed, modules))
     start = time.perf_counter()
     with resuming(console, out) as progress:
-        outcome = run_protocol(rehearsed, out, progress, workers, fresh=fresh, modules=modules)
+        outcome = run_protocol(rehearsed, out, progress, workers, fresh=fresh, modules=modules, shard=share)
     seconds = time.perf_counter() - start
+    if share is not None:
+        share_outcome_screen(console, share, outcome.dataset.parent, out, outcome.trials)
+        return
     experiment = rehearsed.experiment
     assert experiment is not None  # it has been rehearsed
     summary = summarise_dataset(outcome.dataset, experiment)

@@ -23,6 +23,7 @@ from telespring.comparison.results import Comparison
 from telespring.comparison.schedule import Cell, ComparisonSchedule, schedule_comparison
 from telespring.comparison.spring_verdicts import SpringVerdicts
 from telespring.comparison.store import UNCONNECTED_FOLDER, ComparisonIdentity, ComparisonStore
+from telespring.rehearsal.executors import Executor, refuse_workers
 from telespring.rehearsal.identity import core_version
 from telespring.rehearsal.run import require_experiment, run_protocol
 from telespring.rehearsal.store import create_folder, lock_folder
@@ -32,7 +33,14 @@ from telespring.rehearsal.user_code import load_user_code
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["compare", "run_comparison"]
+__all__ = [
+    "compare",
+    "comparison_store",
+    "progress_after",
+    "rehearsals_of",
+    "run_comparison",
+    "trial_count",
+]
 
 Progress: TypeAlias = Callable[[int, int], None]
 
@@ -45,6 +53,7 @@ def compare(
     workers: int | None = None,
     progress: Progress | None = None,
     fresh: bool = False,
+    executor: Executor | None = None,
 ) -> Comparison:
     r"""Rehearse a study with different control architectures and networks, and choose the best safe one.
 
@@ -71,6 +80,8 @@ def compare(
         Called with the number of finished trials and the number of all trials.
     fresh : bool
         Remove the comparison in the folder, whichever it is, and start over.
+    executor : concurrent.futures.Executor or the like, optional
+        Runs the trials instead of threads of this process: anything whose ``submit`` returns a future.
 
     Returns
     -------
@@ -102,7 +113,9 @@ def compare(
     if not isinstance(study, Study):
         modules = Path(study).parent
         study = Study.read(study)
-    return run_comparison(study, folder, progress, workers, quick=quick, fresh=fresh, modules=modules)
+    return run_comparison(
+        study, folder, progress, workers, quick=quick, fresh=fresh, modules=modules, executor=executor
+    )
 
 
 def run_comparison(
@@ -114,19 +127,13 @@ def run_comparison(
     quick: bool = False,
     fresh: bool = False,
     modules: Path | None = None,
+    executor: Executor | None = None,
 ) -> Comparison:
     """Run a comparison as `compare` does; `modules` is the folder of the study file."""
+    refuse_workers(executor, workers)
     schedule = schedule_comparison(study, quick=quick, modules=modules)
     companions = study_companions(schedule, modules)
-    identity = ComparisonIdentity(
-        name=study.name,
-        study=study.to_toml(),
-        is_quick=quick,
-        programs=_provenance(schedule, modules),
-        folders=(UNCONNECTED_FOLDER, *(cell.folder for cell in schedule.cells)),
-        version=core_version(),
-    )
-    store = ComparisonStore(Path(folder), identity)
+    store = comparison_store(Path(folder), schedule, quick=quick, modules=modules)
     create_folder(store.path)
     if fresh or not store.is_complete():
         with lock_folder(store.path):
@@ -136,8 +143,28 @@ def run_comparison(
                 for each in companions:
                     each.check(store.path)
                 store.begin()
-                store.write_dataset(_run_cells(schedule, store, progress, workers, modules))
+                store.write_dataset(_run_cells(schedule, store, progress, workers, modules, executor))
     return _finish(schedule, store, companions)
+
+
+def comparison_store(
+    folder: Path, schedule: ComparisonSchedule, *, quick: bool, modules: Path | None
+) -> ComparisonStore:
+    """Return the store of a comparison in a folder."""
+    identity = ComparisonIdentity(
+        name=schedule.study.name,
+        study=schedule.study.to_toml(),
+        is_quick=quick,
+        programs=_provenance(schedule, modules),
+        folders=(UNCONNECTED_FOLDER, *(cell.folder for cell in schedule.cells)),
+        version=core_version(),
+    )
+    return ComparisonStore(folder, identity)
+
+
+def rehearsals_of(schedule: ComparisonSchedule) -> dict[str, Study]:
+    """Return what is rehearsed, by the name of its folder."""
+    return {UNCONNECTED_FOLDER: schedule.unconnected, **{cell.folder: cell.study for cell in schedule.cells}}
 
 
 def _provenance(schedule: ComparisonSchedule, modules: Path | None) -> dict[str, dict[str, str]]:
@@ -155,6 +182,7 @@ def _run_cells(
     progress: Progress | None,
     workers: int | None,
     modules: Path | None,
+    executor: Executor | None,
 ) -> xr.Dataset:
     """Run what is missing of all rehearsals, and lay their numbers side by side."""
     ages = [SpringVerdicts(each) for each in schedule.network_studies]
@@ -162,38 +190,41 @@ def _run_cells(
     def measure_cell(dataset: Path, cell: Cell) -> xr.Dataset:
         return measure_connected(dataset, cell.study, ages[cell.network])
 
-    jobs: dict[str, tuple[Study, Callable[[Path], xr.Dataset]]] = {
-        UNCONNECTED_FOLDER: (schedule.unconnected, measure_unconnected),
-        **{cell.folder: (cell.study, partial(measure_cell, cell=cell)) for cell in schedule.cells},
+    jobs = rehearsals_of(schedule)
+    measures: dict[str, Callable[[Path], xr.Dataset]] = {
+        UNCONNECTED_FOLDER: measure_unconnected,
+        **{cell.folder: partial(measure_cell, cell=cell) for cell in schedule.cells},
     }
     measured = {folder: found for folder in jobs if (found := store.read_cell(folder)) is not None}
-    done = sum(_trials(jobs[folder][0]) for folder in measured)
+    done = sum(trial_count(jobs[folder]) for folder in measured)
     if progress is not None:
         progress(done, schedule.trials)
-    for folder, (study, measure) in jobs.items():
+    for folder, study in jobs.items():
         if folder in measured:
             continue
         outcome = run_protocol(
             study,
             store.path / folder,
-            None if progress is None else _later(progress, done, schedule.trials),
+            None if progress is None else progress_after(progress, done, schedule.trials),
             workers,
             replace_others=True,
             modules=modules,
+            executor=executor,
         )
-        measured[folder] = measure(outcome.dataset)
+        measured[folder] = measures[folder](outcome.dataset)
         store.write_cell(folder, measured[folder])
         done += outcome.trials
     return assemble_comparison(schedule, measured.pop(UNCONNECTED_FOLDER), measured)
 
 
-def _trials(study: Study) -> int:
+def trial_count(study: Study) -> int:
+    """Return how many trials a study's protocol has."""
     experiment = require_experiment(study)
     return experiment.trials * len(experiment.conditions)
 
 
-def _later(progress: Progress, before: int, total: int) -> Progress:
-    """Return the progress of one rehearsal as that of the whole comparison."""
+def progress_after(progress: Progress, before: int, total: int) -> Progress:
+    """Return the progress of one rehearsal as that of the whole."""
 
     def told(done: int, _trials: int) -> None:
         if done:

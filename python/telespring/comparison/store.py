@@ -18,12 +18,14 @@ from telespring.rehearsal.store import LOCK_FILE
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["COMPARISON_FILES", "UNCONNECTED_FOLDER", "ComparisonIdentity", "ComparisonStore"]
+__all__ = ["COMPARISON_FILES", "IDENTITY_FILE", "UNCONNECTED_FOLDER", "ComparisonIdentity", "ComparisonStore"]
 
-_DATASET, _IDENTITY = "comparison.nc", "comparison.json"
+_DATASET = "comparison.nc"
+#: Which comparison a folder with finished trials belongs to.
+IDENTITY_FILE = "comparison.json"
 _SUMMARY, _STUDY = "compare.json", "recommended.toml"
 #: What a comparison writes into its folder, besides the folders of its rehearsals.
-COMPARISON_FILES = (_DATASET, _IDENTITY, _SUMMARY, _STUDY, LOCK_FILE)
+COMPARISON_FILES = (_DATASET, IDENTITY_FILE, _SUMMARY, _STUDY, LOCK_FILE)
 #: The folder of the rehearsal without a partner.
 UNCONNECTED_FOLDER = "0-unconnected"
 #: Changes when a variable or attribute of the dataset changes its meaning or is removed.
@@ -101,7 +103,7 @@ class ComparisonStore:
         self.path = path
         self.dataset, self.summary, self.study = path / _DATASET, path / _SUMMARY, path / _STUDY
         self._identity = identity
-        self._identity_file = path / _IDENTITY
+        self._identity_file = path / IDENTITY_FILE
 
     def is_complete(self) -> bool:
         """Check whether the dataset of this comparison exists; InvalidInput if it is that of another."""
@@ -110,9 +112,13 @@ class ComparisonStore:
         self._require_same(_stored_identity(self.dataset))
         return True
 
+    def require_own_trials(self) -> None:
+        """Refuse a folder with finished trials of another comparison."""
+        require_claimable(self._identity_file, "comparison", self._describe, self._has_trials)
+
     def begin(self) -> None:
         """Claim the folder for this comparison; InvalidInput if it holds another with finished trials."""
-        require_claimable(self._identity_file, "comparison", self._describe, self._has_trials)
+        self.require_own_trials()
         write_whole(self._identity_file, self._identity.to_json())
         for folder in (self.path, *self._cells(self._identity.to_json())):
             for file in folder.glob(".unfinished-*"):

@@ -20,6 +20,7 @@ from telespring.theory import criteria
 from telespring.theory.criteria import unstable_root_count
 
 __all__ = [
+    "LIGHTEST",
     "AxisUncertainty",
     "MarginUncertainty",
     "Probability",
@@ -33,7 +34,8 @@ __all__ = [
 #: Draws from the parameters' distribution, and the seed they come from.
 DRAWS = 20_000
 SEED = 20251121
-_LIGHTEST = 1e-4
+#: kg; a lighter draw is no robot.
+LIGHTEST = 1e-4
 
 
 class RobotUncertainty(Protocol):
@@ -170,7 +172,7 @@ def _draw_parameters(
         first, second = random.normal(size=(2, draws))
         second = correlation * first + math.sqrt(max(0.0, 1.0 - correlation**2)) * second
         both = np.stack([mass + mass_sd * first, damping + damping_sd * second])
-        physical = (both[0] >= _LIGHTEST) & (both[1] >= 0.0)
+        physical = (both[0] >= LIGHTEST) & (both[1] >= 0.0)
         kept = np.concatenate([kept, both[:, physical]], axis=1)
     return kept[:, :draws]
 

@@ -7,8 +7,8 @@ that is infinite or does not exist is null.
 The report consists of sections, one folder each in `telespring.paper.sections`.
 """
 
-from telespring.paper.reproduce import PARTS, STEPS, Analysis, analyse, write
+from telespring.paper.reproduce import PARTS, QUICK_PARTS, STEPS, Analysis, analyse, write
 from telespring.paper.scene import Scene
 from telespring.paper.section import Findings, Section
 
-__all__ = ["PARTS", "STEPS", "Analysis", "Findings", "Scene", "Section", "analyse", "write"]
+__all__ = ["PARTS", "QUICK_PARTS", "STEPS", "Analysis", "Findings", "Scene", "Section", "analyse", "write"]

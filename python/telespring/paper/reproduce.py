@@ -18,10 +18,13 @@ from telespring.paper.scene import Scene
 from telespring.paper.section import Findings, Section
 from telespring.paper.sections import SECTIONS, order_of_computation
 
-__all__ = ["PARTS", "STEPS", "Analysis", "analyse", "write"]
+__all__ = ["PARTS", "QUICK_PARTS", "STEPS", "Analysis", "analyse", "write"]
 
 #: The sections that compute something, in the order of their keys in `study.json`.
 PARTS = order_of_computation(SECTIONS)
+
+#: Those of a quick reproduction: none that runs an experiment.
+QUICK_PARTS = tuple(section for section in PARTS if not section.is_long)
 
 
 def _awaited_last(parts: Sequence[Section]) -> list[Section]:

@@ -66,6 +66,8 @@ class Section:
     computed_after
         The section after which it is computed, where that is not the one before it on the page. Keys of
         `study.json` are in the order of computation.
+    is_long
+        Whether a quick reproduction leaves it out.
     """
 
     name: str
@@ -77,6 +79,7 @@ class Section:
     holds: tuple[Place, ...] = ()
     mentions: tuple[str, ...] = ()
     computed_after: str = ""
+    is_long: bool = False
 
     @property
     def template(self) -> str:

@@ -65,6 +65,13 @@ def merge_recordings(
     A merged file has both sites already: analyse it as it is.
     """
     one, other = read_recording(first), read_recording(second)
+    if one.streams or other.streams:
+        raise InvalidInput(
+            "recordings",
+            "an XDF file",
+            "two recordings of telespring-link (.mcap) are required",
+            "Record both streams into one XDF file: its recorder compares their clocks.",
+        )
     both = [*one.sides.values(), *other.sides.values()]
     _check_pair(both)
     merged = SessionRecording({side.side: side for side in both})

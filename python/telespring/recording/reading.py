@@ -47,10 +47,10 @@ def is_recording(path: str | os.PathLike[str]) -> bool:
 
     Examples
     --------
-    >>> is_recording("session.mcap"), is_recording("rehearsal.nc")
-    (True, False)
+    >>> is_recording("session.mcap"), is_recording("session.xdf"), is_recording("rehearsal.nc")
+    (True, True, False)
     """
-    return Path(path).suffix.lower() == ".mcap"
+    return Path(path).suffix.lower() in {".mcap", ".xdf"}
 
 
 def read_recording(path: str | os.PathLike[str]) -> SessionRecording:
@@ -63,7 +63,8 @@ def read_recording(path: str | os.PathLike[str]) -> SessionRecording:
     ----------
     path : str or path
         A file that `telespring-link` recorded or that `merge_recordings` wrote (``.mcap``). docs/recording.md
-        describes it.
+        describes it. Or what LabRecorder recorded of the bridge to Lab Streaming Layer (``.xdf``, needs
+        pyxdf; docs/formats.md).
 
     Returns
     -------
@@ -94,6 +95,10 @@ def read_recording(path: str | os.PathLike[str]) -> SessionRecording:
         raise InvalidInput(
             "path", quoted_value(path), "the name of a file is required", "Give it as text or as a Path."
         ) from None
+    if place.suffix.lower() == ".xdf":
+        from telespring.recording.xdf_file import read_xdf
+
+        return read_xdf(place)
     file, tables = read_topics(place, lambda topic: _TOPIC.fullmatch(topic) is not None)
     sides = sorted({int(found[1]) for topic in tables if (found := _TOPIC.fullmatch(topic))})
     _check_version(file)

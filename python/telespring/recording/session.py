@@ -23,6 +23,8 @@ from telespring.recording.trials import coupled_span, trials_dataset
 if TYPE_CHECKING:
     import xarray as xr
 
+    from telespring.recording.xdf_clock import XdfStream
+
 __all__ = ["SessionRecording"]
 
 #: The event of a marker, whose cause is its kind and its text.
@@ -45,9 +47,17 @@ class SessionRecording:
         Items that the recorders counted as missed, and ticks that are not in the files.
     clock : CommonTime or None
         How the clocks of both sites compare; None with one site, and where no site knew the other's clock.
+    streams : dict of int to XdfStream
+        Of an XDF file, by robot: its streams and their clock offsets, as they were measured. Empty otherwise.
     """
 
-    def __init__(self, sides: Mapping[int, SideRecording]) -> None:
+    def __init__(
+        self,
+        sides: Mapping[int, SideRecording],
+        *,
+        clock: CommonTime | None = None,
+        streams: Mapping[int, XdfStream] | None = None,
+    ) -> None:
         given: object = sides
         known = [*given.values()] if isinstance(given, Mapping) and given and {*given} <= {1, 2} else [None]
         if not all(isinstance(side, SideRecording) for side in known):
@@ -58,6 +68,8 @@ class SessionRecording:
                 "Read a file with telespring.read_recording.",
             )
         self.sides = dict(sorted(sides.items()))
+        self.streams = dict(streams or {})
+        self._given_clock = clock
 
     def __repr__(self) -> str:
         sites = " and ".join(str(side) for side in self.sides)
@@ -85,6 +97,8 @@ class SessionRecording:
         """See the class."""
         if len(self.sides) < 2:
             return None
+        if self._given_clock is not None:
+            return self._given_clock
         return common_time(*(side.clock_estimates() for side in self.sides.values()))
 
     @property

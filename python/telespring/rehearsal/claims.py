@@ -1,4 +1,4 @@
-"""Which rehearsal or comparison a folder belongs to: one rule for both.
+"""Which rehearsal, comparison or sweep a folder belongs to: one rule for all.
 
 A folder is claimed by a file with the identity of what runs in it. Another identity may take its place as
 long as no trial is finished: an agent that failed at once may be corrected. A file of that name that is no
@@ -16,7 +16,7 @@ from telespring._errors import InvalidInput
 __all__ = ["Describe", "require_claimable", "require_same"]
 
 #: What a folder holds.
-Kind = Literal["rehearsal", "comparison"]
+Kind = Literal["rehearsal", "comparison", "sweep"]
 
 #: In what the thing with this identity differs from one's own; None if in nothing. ValueError, KeyError or
 #: TypeError for a text that is no identity; None is a file without one.

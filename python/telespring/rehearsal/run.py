@@ -4,29 +4,35 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Generator
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing, suppress
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from threading import Event
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias, overload
 
-from telespring._core import Experiment, Laboratory, Study
+from telespring._core import Study
 from telespring._errors import InvalidInput
-from telespring._types import FloatArray
-from telespring.rehearsal.encoding import REPORTS, SIDE_REPORTS, Signal, compress_signal, stored_signals
+from telespring.rehearsal.executors import Executor, refuse_workers, run_tasks, tasks_in_flight
 from telespring.rehearsal.identity import SCHEMA, RehearsalIdentity, core_version
 from telespring.rehearsal.schedule import ScheduledTrial, schedule_trials
+from telespring.rehearsal.shards import Job, Shard, ShardFacts, ShardLike, read_shard
 from telespring.rehearsal.store import RehearsalStore, create_folder, lock_folder
-from telespring.rehearsal.traces import read_traces
 from telespring.rehearsal.trial_file import TrialRecord
-from telespring.rehearsal.user_code import RehearsalStopped, UserCode, UserCodeError, load_user_code
-from telespring.study.conditions import condition_labels
+from telespring.rehearsal.work import TrialRunner, prepare_runner, require_experiment, run_trial_anywhere
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["RehearsalOutcome", "rehearse", "remove_rehearsal", "require_experiment", "run_protocol"]
+__all__ = [
+    "RehearsalOutcome",
+    "rehearse",
+    "remove_rehearsal",
+    "require_experiment",
+    "run_protocol",
+    "run_share",
+]
 
 Progress: TypeAlias = Callable[[int, int], None]
 
@@ -38,9 +44,9 @@ class RehearsalOutcome:
     Attributes
     ----------
     dataset
-        The file of the dataset.
+        The file of the dataset; of a share of the trials the file that it would be.
     trials
-        Number of trials of the protocol.
+        Number of trials of the protocol, or of the share.
     resumed
         Number of trials that had been finished before; all of them if the dataset existed already.
     """
@@ -50,6 +56,7 @@ class RehearsalOutcome:
     resumed: int
 
 
+@overload
 def rehearse(
     study: Study | str | os.PathLike[str],
     folder: str | os.PathLike[str],
@@ -57,7 +64,34 @@ def rehearse(
     workers: int | None = None,
     *,
     fresh: bool = False,
-) -> xr.Dataset:
+    executor: Executor | None = None,
+    shard: None = None,
+) -> xr.Dataset: ...
+
+
+@overload
+def rehearse(
+    study: Study | str | os.PathLike[str],
+    folder: str | os.PathLike[str],
+    progress: Progress | None = None,
+    workers: int | None = None,
+    *,
+    fresh: bool = False,
+    executor: Executor | None = None,
+    shard: ShardLike,
+) -> None: ...
+
+
+def rehearse(
+    study: Study | str | os.PathLike[str],
+    folder: str | os.PathLike[str],
+    progress: Progress | None = None,
+    workers: int | None = None,
+    *,
+    fresh: bool = False,
+    executor: Executor | None = None,
+    shard: ShardLike | None = None,
+) -> xr.Dataset | None:
     r"""Run a study's whole protocol on the virtual laboratory and return one dataset.
 
     Finished trials are kept in `folder`. If a rehearsal is interrupted by Ctrl-C, an error or the death of
@@ -80,10 +114,17 @@ def rehearse(
         in Python.
     fresh : bool
         Remove the rehearsal in the folder, whichever it is, and start over.
+    executor : concurrent.futures.Executor or the like, optional
+        Runs the trials instead of threads of this process: anything whose ``submit`` returns a future.
+        Its workers need the same telespring and the folder of the study. It is not shut down.
+    shard : pair of int or str, optional
+        Run only this share of the trials, such as ``(2, 8)`` or "2/8", in a folder of its own inside
+        `folder`. `telespring.merge_shards` makes the dataset of all shares.
 
     Returns
     -------
     xarray.Dataset
+        None of a share. Otherwise
         ``position`` (m), ``velocity`` (m/s), ``coupling_force`` and ``agent_force`` (N) over (condition,
         trial, time, robot, axis), NaN after an early end; ``target`` (m) over (time, axis); ``seed``,
         ``status``, ``ended_at`` (s) and ``order`` over (condition, trial); ``stiffness`` (N/m, NaN:
@@ -115,7 +156,10 @@ def rehearse(
     """
     import xarray as xr
 
-    outcome = run_protocol(study, folder, progress, workers, fresh=fresh)
+    share = read_shard(shard)
+    outcome = run_protocol(study, folder, progress, workers, fresh=fresh, executor=executor, shard=share)
+    if share is not None:
+        return None
     return xr.load_dataset(outcome.dataset, engine="h5netcdf")
 
 
@@ -128,6 +172,8 @@ def run_protocol(
     fresh: bool = False,
     replace_others: bool = False,
     modules: Path | None = None,
+    executor: Executor | None = None,
+    shard: Shard | None = None,
 ) -> RehearsalOutcome:
     """Run a rehearsal as `rehearse` does, and leave the dataset on the disk.
 
@@ -137,54 +183,101 @@ def run_protocol(
     if not isinstance(study, Study):
         modules = Path(study).parent if modules is None else modules
         study = Study.read(study)
-    experiment = require_experiment(study)
-    threads = _rehearsal_thread_count(workers)
-    user_code = load_user_code(experiment, modules)
-    traces = read_traces(experiment, modules)
-    laboratory = traces.laboratory(experiment)
-    if workers is None and user_code.has_agents:
-        # The interpreter runs one agent at a time; threads would only wait for each other.
-        threads = 1
-    provenance = user_code.provenance() | traces.provenance()
-    identity = RehearsalIdentity(study.name, study.to_toml(), provenance, SCHEMA, core_version())
-    trials = schedule_trials(experiment)
-    store = RehearsalStore(Path(folder), identity)
+    path = Path(folder)
+    if shard is None:
+        return _run_all(study, path, progress, workers, fresh, replace_others, modules, executor)
+    create_folder(path)
+    return run_share(study, shard.folder(path), shard, progress, workers, modules, executor, fresh=fresh)
+
+
+def _run_all(
+    study: Study,
+    folder: Path,
+    progress: Progress | None,
+    workers: int | None,
+    fresh: bool,
+    replace_others: bool,
+    modules: Path | None,
+    executor: Executor | None,
+) -> RehearsalOutcome:
+    """Run what is missing of all trials, and write the dataset."""
+    runner = prepare_runner(study, modules)
+    run = _how_to_run(runner, workers, executor)
+    trials = schedule_trials(runner.experiment)
+    store = RehearsalStore(folder, runner.identity)
     create_folder(store.path)
     fresh = fresh or (replace_others and store.holds_other_rehearsal())
     if not fresh and store.is_complete():
         _remove_leftover_trials(store)
         return RehearsalOutcome(store.dataset, len(trials), len(trials))
 
-    target = user_code.target_positions(experiment.tick_count, experiment.sample_period)
+    target = runner.recorded_target()
     with lock_folder(store.path):
         if fresh:
             store.remove_rehearsal()
         elif store.is_complete():  # by another process, since the check above
             return RehearsalOutcome(store.dataset, len(trials), len(trials))
         store.begin()
-        finished = set(store.finished_trials(trials))
-        done = len(finished)
-        if progress is not None:
-            progress(done, len(trials))
-        missing = [trial for trial in trials if trial not in finished]
-        signals = stored_signals(study.session)
-        records = _run_trials(
-            experiment, laboratory, missing, user_code, target, signals, identity.fingerprint, threads
-        )
-        # Closed at once on an error here, so that no trial continues.
-        with closing(records):
-            for trial, record in records:
-                store.write_trial(trial, record)
-                done += 1
-                if progress is not None:
-                    progress(done, len(trials))
+        resumed = _run_missing(store, trials, run, progress)
         from telespring.rehearsal.dataset import write_dataset
 
-        recorded = _recorded_target(experiment, laboratory, target)
-        write_dataset(store, identity, study, experiment, trials, recorded)
+        write_dataset(store, runner.identity, study, runner.experiment, trials, target)
         store.flush_folder()
         store.remove_trials()
-    return RehearsalOutcome(store.dataset, len(trials), len(finished))
+    return RehearsalOutcome(store.dataset, len(trials), resumed)
+
+
+def run_share(
+    study: Study,
+    folder: Path,
+    shard: Shard,
+    progress: Progress | None,
+    workers: int | None,
+    modules: Path | None,
+    executor: Executor | None,
+    *,
+    fresh: bool = False,
+    job: Job | None = "rehearsal",
+) -> RehearsalOutcome:
+    """Run a share of the trials in a folder of its own, and leave them there to be merged.
+
+    `job` is written into the folder; None for the folder of a cell of something larger.
+    """
+    runner = prepare_runner(study, modules)
+    run = _how_to_run(runner, workers, executor)
+    trials = shard.select(schedule_trials(runner.experiment))
+    store = RehearsalStore(folder, runner.identity)
+    create_folder(store.path)
+    with lock_folder(store.path):
+        if fresh:
+            store.remove_rehearsal()
+        store.begin()
+        if job is not None:
+            ShardFacts.of(job, shard, len(trials), modules).write(store.path)
+        resumed = _run_missing(store, trials, run, progress)
+        store.flush_folder()
+    return RehearsalOutcome(store.dataset, len(trials), resumed)
+
+
+def _run_missing(
+    store: RehearsalStore,
+    trials: list[ScheduledTrial],
+    run: Callable[[list[ScheduledTrial]], Generator[tuple[ScheduledTrial, TrialRecord]]],
+    progress: Progress | None,
+) -> int:
+    """Run the trials that are not finished, and keep each; return how many were finished before."""
+    finished = set(store.finished_trials(trials))
+    done = len(finished)
+    if progress is not None:
+        progress(done, len(trials))
+    # Closed at once on an error here, so that no trial continues.
+    with closing(run([trial for trial in trials if trial not in finished])) as records:
+        for trial, record in records:
+            store.write_trial(trial, record)
+            done += 1
+            if progress is not None:
+                progress(done, len(trials))
+    return len(finished)
 
 
 def remove_rehearsal(folder: str | os.PathLike[str]) -> None:
@@ -195,27 +288,8 @@ def remove_rehearsal(folder: str | os.PathLike[str]) -> None:
             store.remove_rehearsal()
 
 
-def require_experiment(study: Study) -> Experiment:
-    """Return the experiment of a study; InvalidInput if its robots cannot be rehearsed."""
-    experiment = study.experiment
-    if experiment is None:
-        raise InvalidInput(
-            "robot1.axes",
-            ", ".join(study.dyad.axes),
-            "a rehearsal needs robots with exactly two axes",
-            "Describe both robots with the axes x and y.",
-        )
-    return experiment
-
-
-def _recorded_target(experiment: Experiment, laboratory: Laboratory, target: FloatArray | None) -> FloatArray:
-    """Return the target at the recorded instants, m; `target` is a Python one at every tick."""
-    if target is not None:
-        return target[:: experiment.tick_stride]
-    return laboratory.target(experiment.duration, experiment.record_rate)
-
-
-def _rehearsal_thread_count(workers: int | None) -> int:
+def thread_count(workers: int | None) -> int:
+    """Return how many trials run at the same time: by default as many as there are cores."""
     if workers is None:
         with suppress(AttributeError):  # only some systems can limit a process to some cores
             return len(os.sched_getaffinity(0))
@@ -233,79 +307,35 @@ def _remove_leftover_trials(store: RehearsalStore) -> None:
         store.remove_trials()
 
 
-def _run_trials(
-    experiment: Experiment,
-    laboratory: Laboratory,
-    trials: list[ScheduledTrial],
-    user_code: UserCode,
-    target: FloatArray | None,
-    signals: tuple[Signal, ...],
-    fingerprint: str,
-    threads: int,
+def _how_to_run(
+    runner: TrialRunner, workers: int | None, executor: Executor | None
+) -> Callable[[list[ScheduledTrial]], Generator[tuple[ScheduledTrial, TrialRecord]]]:
+    """Return what runs trials and yields each when it is finished: threads here, or an executor."""
+    refuse_workers(executor, workers)
+    if executor is not None:
+        return partial(_run_elsewhere, runner, executor)
+    threads = thread_count(workers)
+    if workers is None and runner.user_code.has_agents:
+        # The interpreter runs one agent at a time; threads would only wait for each other.
+        threads = 1
+    return partial(_run_on_threads, runner, threads)
+
+
+def _run_elsewhere(
+    runner: TrialRunner, executor: Executor, trials: list[ScheduledTrial]
 ) -> Generator[tuple[ScheduledTrial, TrialRecord]]:
-    """Run trials on several threads and yield each when it is finished."""
+    tasks = ((runner.work, trial) for trial in trials)
+    return run_tasks(executor, run_trial_anywhere, tasks, tasks_in_flight(executor))
+
+
+def _run_on_threads(
+    runner: TrialRunner, threads: int, trials: list[ScheduledTrial]
+) -> Generator[tuple[ScheduledTrial, TrialRecord]]:
     stop = Event()
-
-    def raise_if_stopped() -> None:
-        if stop.is_set():
-            raise RehearsalStopped
-
-    labels = condition_labels(experiment.conditions)
-    count = len(experiment.sample_times)
-
-    def run_trial(trial: ScheduledTrial) -> tuple[ScheduledTrial, TrialRecord]:
-        condition = experiment.conditions[trial.condition]
-        try:
-            recording = laboratory.run(
-                condition.stiffness,
-                condition.delay,
-                trial.seed,
-                experiment.duration,
-                experiment.record_rate,
-                agents=user_code.create_agents(trial.seed, stop),
-                target=target,
-                coupling_damping=experiment.coupling_damping,
-                interrupt_check=raise_if_stopped,
-            )
-        except UserCodeError as error:
-            raise UserCodeError(
-                error.field,
-                error.value,
-                f"{error.allowed}, in trial {trial.trial + 1} of {labels[trial.condition]}",
-                f"{error.remedy} Finished trials are kept; they are valid as long as its file is unchanged.",
-            ) from error
-        rows = len(recording.time)
-        assert rows <= count
-        return trial, TrialRecord(
-            fingerprint=fingerprint,
-            condition=trial.condition,
-            trial=trial.trial,
-            seed=trial.seed,
-            status=recording.status,
-            ended_at=recording.ended_at,
-            rows=rows,
-            reports={report.name: getattr(recording, report.name) for report in REPORTS}
-            | {report.name: getattr(recording, report.name).tolist() for report in SIDE_REPORTS},
-            chunks={
-                signal.name: compress_signal(signal, getattr(recording, signal.name), count)
-                for signal in signals
-            },
-        )
-
-    waiting = iter(trials)
-    running: set[Future[tuple[ScheduledTrial, TrialRecord]]] = set()
     pool = ThreadPoolExecutor(threads, thread_name_prefix="rehearse")
     try:
-        while True:
-            # Twice as many as threads, so that none waits for the disk; not more, because finished trials
-            # that are not yet written take memory.
-            while len(running) < 2 * threads and (trial := next(waiting, None)) is not None:
-                running.add(pool.submit(run_trial, trial))
-            if not running:
-                return
-            ended, running = wait(running, return_when=FIRST_COMPLETED)
-            for future in ended:
-                yield future.result()
+        # Twice as many as threads, so that none waits for the disk.
+        yield from run_tasks(pool, runner.run, ((trial, stop) for trial in trials), 2 * threads)
     finally:
         stop.set()
         pool.shutdown(wait=True, cancel_futures=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
@@ -15,13 +16,15 @@ from telespring.rehearsal.identity import RehearsalIdentity
 from telespring.rehearsal.schedule import ScheduledTrial
 from telespring.rehearsal.trial_file import TrialRecord, read_trial_file, write_trial_file
 
-__all__ = ["LOCK_FILE", "REHEARSAL_FILES", "RehearsalStore", "create_folder", "lock_folder"]
+__all__ = ["IDENTITY_FILE", "LOCK_FILE", "REHEARSAL_FILES", "RehearsalStore", "create_folder", "lock_folder"]
 
 #: The locked file in the folder. It stays: without it two processes could lock two files of this name.
 LOCK_FILE = ".rehearsal.lock"
-_DATASET, _IDENTITY = "rehearsal.nc", "rehearsal.json"
+_DATASET = "rehearsal.nc"
+#: Which rehearsal a folder with finished trials belongs to.
+IDENTITY_FILE = "rehearsal.json"
 #: What a rehearsal writes into its folder and, to start over, removes from it, besides its trials.
-REHEARSAL_FILES = (_DATASET, _IDENTITY, LOCK_FILE)
+REHEARSAL_FILES = (_DATASET, IDENTITY_FILE, LOCK_FILE)
 
 
 @contextmanager
@@ -91,7 +94,7 @@ class RehearsalStore:
         self.path = path
         self.dataset = path / _DATASET
         self._identity = identity
-        self._identity_file = path / _IDENTITY
+        self._identity_file = path / IDENTITY_FILE
         self._trials = path / "trials"
 
     def is_complete(self) -> bool:
@@ -149,6 +152,27 @@ class RehearsalStore:
     def write_trial(self, trial: ScheduledTrial, record: TrialRecord) -> None:
         """Keep a finished trial."""
         write_trial_file(self._trial_file(trial), record)
+
+    def take_trial(self, trial: ScheduledTrial, other: RehearsalStore) -> bool:
+        """Take over a trial that another folder of the same rehearsal has finished; False if it has not.
+
+        The file is linked where the file system can do that, and copied otherwise.
+        """
+        if other.read_trial(trial) is None:
+            return False
+        source, target = other._trial_file(trial), self._trial_file(trial)
+        temporary = target.with_name(f".unfinished-{target.name}")
+        temporary.unlink(missing_ok=True)
+        try:
+            os.link(source, temporary)
+        except OSError:  # another file system
+            shutil.copyfile(source, temporary)
+        temporary.replace(target)
+        return True
+
+    def require_own_trials(self) -> None:
+        """Refuse a folder whose trials are not of this rehearsal."""
+        require_claimable(self._identity_file, "rehearsal", self._describe, self._has_trials)
 
     def flush_folder(self) -> None:
         """Wait until the names of the files in the folder are on the disk, where the system can do that."""

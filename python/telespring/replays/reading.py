@@ -24,7 +24,14 @@ def read_sites(path: str | os.PathLike[str]) -> list[SiteRecording]:
     """Read the recording of one side, or the merged one of both; InvalidInput if it is none."""
     from telespring.recording import read_recording
 
-    return [site_recording(side) for side in read_recording(path).sides.values()]
+    recording = read_recording(path)
+    if recording.streams:
+        raise _refuse(
+            recording.first,
+            "an XDF file",
+            "a replay needs the packets, which are in a recording (.mcap) only",
+        )
+    return [site_recording(side) for side in recording.sides.values()]
 
 
 def site_recording(side: SideRecording) -> SiteRecording:

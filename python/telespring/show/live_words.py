@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 from telespring.connection import Line
 from telespring.show.quantities import format_number
 
@@ -30,7 +32,8 @@ _CONSENTS = {
 }
 
 _CAUSES = {
-    "stop-requested": "somebody or the clock ended it",
+    "stop-requested": "somebody ended it",
+    "time-over": "the time was over",
     "partner-left": "the partner left",
     "refused": "the two sides did not agree",
     "emergency-stop": "the emergency stop was pressed",
@@ -46,6 +49,9 @@ _CAUSES = {
     "workspace": "the handle left its workspace",
     "suspended": "the machine was suspended",
     "partner": "the partner let go",
+    "partner-paused": "the partner wants a pause",
+    "partner-stopped": "the partner's emergency stop was pressed",
+    "partner-not-ready": "the partner's robot is silent or not ready",
     "partner-changed": "another partner came",
     "here": "at this side",
     "guard": "the guard holds back",
@@ -83,12 +89,15 @@ _EVENTS = {
     "path-relayed": "packets go through the relay",
     "path-withheld": "only the relay is left, which may carry no packets",
     "path-refused": "the partner does not know the key of this site",
+    "path-stranger": "somebody with an unknown key was refused",
     "path-rate": "the rate of the packets has changed",
     "partner-found": "hears the partner",
     "partner-restarted": "the partner has started anew",
     "holding": "holds the force",
+    "force-ramping-out": "force ramps out",
     "ramping-out": "force ramps out",
     "disengaged": "force is zero",
+    "force-ramping-in": "force ramps in",
     "ramping-in": "force ramps in",
     "engaged": "full force",
     "datagram-refused": "refused a packet",
@@ -106,6 +115,9 @@ _EVENTS = {
     "order-refused": "that is not possible now",
     "mark": "mark",
     "offset": "the handles are apart",
+    "axis-locked": "an axis is left out at both sites",
+    "device-awaited": "no row has come from the device yet",
+    "partner-awaited": "nothing has come from the partner yet",
     "limiting": "the force is held back",
     "limiting-over": "the force is whole again",
     "softened": "bad network: the force is softened",
@@ -161,8 +173,12 @@ def describe_event(event: Line) -> str:
 
     Examples
     --------
-    >>> describe_event({"event": "ramping-out", "cause": "silence"})
+    >>> describe_event({"event": "force-ramping-out", "cause": "silence"})
     'force ramps out: no packet came'
+    >>> describe_event({"event": "order-refused", "cause": "resume while paused", "remedy": "Ask there."})
+    'that is not possible now: resume while paused. Ask there.'
+    >>> describe_event({"event": "offset", "cause": "move the handle of site 1 by -26 mm in x"})
+    'the handles are apart: move the handle of site 1 by -26 mm in x'
     """
     word, cause = str(event.get("event", "")), event.get("cause")
     if word == "phase":
@@ -170,6 +186,8 @@ def describe_event(event: Line) -> str:
     text = _EVENTS.get(word, _plain(word))
     if cause and word not in _SILENT_CAUSES:
         text += f": {describe_cause(str(cause))}"
+    if event.get("remedy"):
+        text += f". {_printable(str(event['remedy']))}"
     return text
 
 
@@ -180,5 +198,10 @@ def describe_limits(status: Line) -> str:
 
 
 def _plain(word: str) -> str:
-    """Return a word of the program as text, so that what it may send harms no terminal."""
-    return "".join(letter for letter in word.replace("-", " ") if letter.isprintable())[:80]
+    """Return a word of the program as text, such as `device silent`; a minus stays one."""
+    return _printable(re.sub(r"(?<=[a-z])-(?=[a-z])", " ", word))
+
+
+def _printable(text: str) -> str:
+    """Return a text of the program without what may harm a terminal."""
+    return "".join(letter for letter in text if letter.isprintable())[:200]

@@ -27,6 +27,7 @@ fn site(kind: &str, side: usize, port: u16, keys: &[SiteKey; 2]) -> Site {
         peers: vec![at(1 - side, port)],
         local: vec![at(side, port)],
         relay: None,
+        relay_authority: None,
         relayed: false,
         priority: Some(40),
     };

@@ -35,6 +35,7 @@ fn sites(kind: &str) -> Result<[Site; 2], Failure> {
             peers: vec![peer],
             local: vec![local],
             relay: None,
+            relay_authority: None,
             relayed: false,
             priority: Some(40),
         })?))

@@ -4,11 +4,14 @@ use telespring::session::Span;
 
 use super::{Item, Seen, Verdict};
 use crate::summary::{LatenessSummary, RealTime, Summary};
+use crate::transport::PathEvent;
 
 /// Overruns are missed ticks; above this share of them the coupling has another sample period than it says.
 const MOST_OVERRUNS: f64 = 0.05;
 /// A device may send at least this share of its rows.
 const FEWEST_ROWS: f64 = 0.9;
+/// Each row begins a tick, so more of them make the loop faster than the study says.
+const MOST_ROWS: f64 = 1.1;
 const CAPABILITIES: &str = "Run `setcap cap_sys_nice,cap_ipc_lock+ep` on the program, or start it as root.";
 
 /// What the operating system granted.
@@ -81,10 +84,15 @@ pub(super) fn device(seen: &Seen, period: f64, seconds: f64) -> Item {
         return wrong(Verdict::Warning, "the emergency stop is pressed", "Release it before the session.");
     }
     if !seen.is_ready {
-        let remedy = "Home the robot and enable its motors: places 10 and 11 of its rows are then 1.";
-        return wrong(Verdict::Warning, "the robot is not ready", remedy);
+        let remedy =
+            "Enable its motors and home it: places 10 (enabled) and 11 (homed) of its rows are then 1.";
+        let what = match seen.lacks {
+            Some(lacks) => format!("the robot is not ready: {lacks}"),
+            None => "the robot is not ready".to_owned(),
+        };
+        return wrong(Verdict::Warning, &what, remedy);
     }
-    if rate * period < FEWEST_ROWS {
+    if !(FEWEST_ROWS..=MOST_ROWS).contains(&(rate * period)) {
         let what = format!("the study has {:.0} sample periods per second", 1.0 / period);
         return wrong(Verdict::Warning, &what, "Send one row per sample period of the study.");
     }
@@ -101,19 +109,46 @@ pub(super) fn partner(summary: &Summary) -> Item {
         }
         Some(entry) => {
             let what = entry.cause.as_deref().unwrap_or("something");
-            let remedy = "Give both sites the same study and program, and each its own side.";
+            let remedy =
+                entry.remedy.unwrap_or("Give both sites the same study and program, and each its own side.");
             Item::wrong("partner", Verdict::Failed, format!("it is there, and disagrees on: {what}"), remedy)
         }
-        None => {
-            let found = match summary.loss.unreachable {
-                0 => "no word from it yet",
-                _ => "nobody listens at its address yet",
-            };
-            let remedy =
-                "Start the partner's site, or its check; if it runs, check addresses and keys of both sites.";
-            Item::wrong("partner", Verdict::Warning, found, remedy)
-        }
+        None => nobody(summary),
     }
+}
+
+/// Why nothing was heard of the partner, as far as the transport knows.
+fn nobody(summary: &Summary) -> Item {
+    let wrong = |verdict, found: &str, remedy: &str| Item::wrong("partner", verdict, found, remedy);
+    let has = |event: PathEvent| summary.events.iter().any(|entry| entry.event == event.word());
+    if has(PathEvent::Refused) {
+        return wrong(
+            Verdict::Failed,
+            "it does not know the key of this site",
+            "Let it write what telespring-link id prints here under network.peer_id of its site file.",
+        );
+    }
+    if has(PathEvent::Withheld) && !has(PathEvent::Direct) {
+        return wrong(
+            Verdict::Failed,
+            "it is reached over the relay only, and network.relayed is false here",
+            "Open a port at one site, or allow packets over the relay at both (docs/network.md).",
+        );
+    }
+    if summary.path.strangers > 0 {
+        return wrong(
+            Verdict::Warning,
+            "no word from it yet, and somebody whose key is not in network.peer_id was refused",
+            "Compare network.peer_id with what telespring-link id prints at the partner's site.",
+        );
+    }
+    let found = match summary.loss.unreachable {
+        0 => "no word from it yet",
+        _ => "nobody listens at its address yet",
+    };
+    let remedy =
+        "Start the partner's site, or its check; if it runs, check addresses and keys of both sites.";
+    wrong(Verdict::Warning, found, remedy)
 }
 
 #[cfg(test)]
@@ -168,7 +203,13 @@ mod tests {
             (Seen { is_impossible: true, ..good }, Verdict::Failed, "finite"),
             (Seen { is_stopped: true, ..good }, Verdict::Warning, "emergency stop"),
             (Seen { is_ready: false, ..good }, Verdict::Warning, "not ready"),
+            (
+                Seen { is_ready: false, lacks: Some("it naps"), ..good },
+                Verdict::Warning,
+                "not ready: it naps",
+            ),
             (Seen { rows: 500, ..good }, Verdict::Warning, "100 rows per second"),
+            (Seen { rows: 9000, ..good }, Verdict::Warning, "1800 rows per second"),
         ] {
             let (judged, found) = judged(seen);
             assert_eq!(judged, verdict, "{found}");

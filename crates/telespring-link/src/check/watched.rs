@@ -23,6 +23,8 @@ pub struct Seen {
     pub is_impossible: bool,
     /// Whether it is ready, as it said last.
     pub is_ready: bool,
+    /// What it lacks to be ready, in words, as it said last.
+    pub lacks: Option<&'static str>,
     /// Whether its emergency stop is pressed, as it said last.
     pub is_stopped: bool,
     /// Whether it measures the force on the handle.
@@ -47,6 +49,10 @@ impl<D> Watched<D> {
 }
 
 impl<D: Device> Device for Watched<D> {
+    fn listen(&mut self, now: LocalTime) -> bool {
+        self.device.listen(now)
+    }
+
     fn read(&mut self, now: LocalTime) -> Result<Reading, Fault> {
         let mut seen = self.seen.get();
         let reading = match self.device.read(now) {
@@ -69,6 +75,7 @@ impl<D: Device> Device for Watched<D> {
         }
         seen.has_force |= reading.acted.is_some();
         (seen.is_ready, seen.is_stopped) = (reading.is_ready, reading.is_stopped);
+        seen.lacks = self.device.lacks();
         self.seen.set(seen);
         Ok(Reading { is_ready: false, is_stopped: false, ..reading })
     }

@@ -10,7 +10,7 @@ use telespring_link::demo::{self, DemoError};
 use telespring_link::settings::LoopChoice;
 
 use super::marks::Marks;
-use super::{Failure, orders, outcome, print_summary, stop_on_signal};
+use super::{Attended, Failure, orders, outcome, print_summary, stop_on_signal};
 
 /// Runs both sides on this machine, over an emulated path, and prints a summary as JSON
 #[derive(Debug, Args)]
@@ -83,14 +83,19 @@ impl Demo {
             live,
         };
         let stop = stop_on_signal();
-        let orders = orders(marks, console, &stop)?;
+        let attended = Attended::new(console);
+        let orders = orders(marks, console || attended.gives_orders, &stop)?;
         let console = console.then(Output::stdout).transpose()?;
-        let summary = demo.run(&stop, orders, console.as_ref()).map_err(|error| match error {
-            DemoError::Input(refusal) => Failure::Input(refusal),
-            DemoError::Conduct(error) => error.into(),
-            other => Failure::Other(other.to_string()),
-        })?;
-        print_summary(&summary, console.as_ref());
+        let words = attended.is_told.then(Output::stderr).transpose()?;
+        let summary =
+            demo.run(&stop, orders, console.as_ref(), words.as_ref()).map_err(|error| match error {
+                DemoError::Input(refusal) => Failure::Input(refusal),
+                DemoError::Conduct(error) => error.into(),
+                other => Failure::Other(other.to_string()),
+            })?;
+        if !attended.reads {
+            print_summary(&summary, console.as_ref());
+        }
         Ok(outcome(&summary.sites))
     }
 }

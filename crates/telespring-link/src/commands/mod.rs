@@ -10,7 +10,7 @@ mod probe;
 mod relay_config;
 mod run;
 
-use std::io::{BufReader, Cursor, Read, Write};
+use std::io::{BufReader, Cursor, IsTerminal, Read, Write};
 use std::os::fd::AsFd;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -23,7 +23,7 @@ use serde::Serialize;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use telespring::InvalidInput;
 use telespring_link::conduct::ConductError;
-use telespring_link::console::Output;
+use telespring_link::console::{Output, numbers};
 use telespring_link::operator::{self, Order};
 use telespring_link::summary::Summary;
 
@@ -140,10 +140,24 @@ fn orders<const N: usize>(
     Ok(orders.map(Some))
 }
 
+/// Sets `stop` once the input has ended, if a program writes it: whoever watched is gone then. What it says is not read.
+fn stop_with_input(stop: &Arc<AtomicBool>) -> Result<(), Failure> {
+    if is_written_by_program(&std::io::stdin()) {
+        let stop = Arc::clone(stop);
+        let wait = move || {
+            let _ = std::io::copy(&mut std::io::stdin(), &mut std::io::sink());
+            stop.store(true, Ordering::Relaxed);
+        };
+        std::thread::Builder::new().name("input".to_owned()).spawn(wait)?;
+    }
+    Ok(())
+}
+
 /// Success if every side ran, and was left as people leave.
 fn outcome<'a>(sides: impl IntoIterator<Item = &'a Summary>) -> ExitCode {
     let fine = sides.into_iter().all(|side| {
-        side.coupled_share > 0.0 && matches!(side.cause, Some("stop-requested" | "partner-left"))
+        side.coupled_share > 0.0
+            && matches!(side.cause, Some("stop-requested" | "time-over" | "partner-left"))
     });
     if fine { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
@@ -156,12 +170,50 @@ fn print_summary(summary: &impl Serialize, console: Option<&Output>) {
     }
 }
 
+/// Whether a person sits here: not a program that wants JSON.
+#[derive(Debug, Clone, Copy)]
+struct Attended {
+    /// What happens is told in words, on the standard error.
+    is_told: bool,
+    /// Orders are typed.
+    gives_orders: bool,
+    /// A summary in words is enough.
+    reads: bool,
+}
+
+impl Attended {
+    /// `has_console`: a program reads, or a person who wants what a program gets.
+    fn new(has_console: bool) -> Self {
+        let is_told = !has_console && std::io::stderr().is_terminal();
+        Self {
+            is_told,
+            gives_orders: is_told && std::io::stdin().is_terminal() && is_in_foreground(),
+            reads: is_told && std::io::stdout().is_terminal(),
+        }
+    }
+}
+
 fn print(content: &impl Serialize) {
-    let text = serde_json::to_string_pretty(content).map_err(std::io::Error::from);
+    let text = numbers::lines(content).map_err(std::io::Error::from);
+    let write = |mut text: Vec<u8>| {
+        text.push(b'\n');
+        std::io::stdout().write_all(&text)
+    };
     // whoever read it may have left
-    if let Err(error) = text.and_then(|text| writeln!(std::io::stdout(), "{text}")) {
+    if let Err(error) = text.and_then(write) {
         eprintln!("the output cannot be written: {error}");
     }
+}
+
+/// Whether the terminal listens to this program: one in the background would be stopped for reading. If that is not known, it
+/// does not.
+fn is_in_foreground() -> bool {
+    let facts = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    // behind the name of the program, which may have spaces: state, parent, group, session, terminal, its group in front
+    let mut rest = facts.rsplit(')').next().unwrap_or_default().split_whitespace().skip(2);
+    let (group, front) = (rest.next(), rest.nth(2));
+    // -1: it belongs to no terminal, and nobody stops it
+    group.is_some() && (front == group || front == Some("-1"))
 }
 
 /// Whether an input is a pipe or a socket. A terminal, a file and nothing at all have an end that means nothing.

@@ -17,8 +17,9 @@ use telespring_link::hello::draw_session;
 use telespring_link::probe::{Outcome, Probe as Measurement, ProbeSettings, Stage};
 use telespring_link::real_time::{Pace, claim};
 use telespring_link::settings::SiteFile;
+use telespring_link::transport::PathEvent;
 
-use super::{Failure, parts, print, print_summary, stop_on_signal};
+use super::{Failure, parts, print, print_summary, stop_on_signal, stop_with_input};
 
 /// From one line of progress to the next.
 const PROGRESS: Span = Span(500_000_000);
@@ -36,7 +37,7 @@ pub struct Probe {
     /// Writes the delays of all packets to this new file, as IRTT does, for telespring trace
     #[arg(long)]
     trace: Option<PathBuf>,
-    /// Prints one JSON object per line: progress, then what was found
+    /// Prints one JSON object per line: progress, then what was found. If standard input is a pipe, its end stops the probe
     #[arg(long)]
     console: bool,
 }
@@ -71,7 +72,10 @@ impl Probe {
         let settings = ProbeSettings { session: draw_session(), period, duration };
         let mut probe = Measurement::new(settings, parts::transport(&network, real_time.priority)?)?;
         let stop = stop_on_signal();
-        let privileges = claim(real_time.priority, false, false);
+        if self.console {
+            stop_with_input(&stop)?;
+        }
+        let privileges = claim(real_time.priority, false, real_time.stay_awake);
         if let Some(Err(error)) = privileges.priority {
             let error = std::io::Error::from_raw_os_error(error);
             eprintln!(
@@ -102,27 +106,41 @@ impl Probe {
             pace.rest(clock.now(), false);
         }
         let outcome = probe.outcome();
-        let trace = match (&self.trace, probe.trace()) {
-            (Some(path), Some(text)) => Some(write_new(path, &text)?),
-            _ => None,
+        let written = match (&self.trace, probe.trace()) {
+            (Some(path), Some(text)) => write_new(path, &text).map(Some),
+            _ => Ok(None),
         };
         let study = study.to_toml();
+        // a full disk takes the trace, not what was found
+        let trace = written.as_ref().ok().copied().flatten();
         let found = Found { side, study: &study, outcome: &outcome, trace };
         match &console {
             Some(_) => print_summary(&found, console.as_ref()),
             None => print(&Line { kind: "summary", content: &found }),
         }
-        if outcome.towards_here.is_none() {
-            return Err(Failure::Other(nobody(&outcome)));
+        written?;
+        match (&outcome.towards_here, &outcome.towards_partner) {
+            (Some(_), Some(_)) => Ok(ExitCode::SUCCESS),
+            (None, _) => Err(Failure::Other(nobody(&outcome))),
+            (Some(_), None) => Err(Failure::Other(
+                "The partner fell silent before it had told what came there: the way to it is not known, so there is no trace."
+                    .to_owned(),
+            )),
         }
-        Ok(if outcome.towards_partner.is_some() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
     }
 }
 
 /// Why nothing was measured.
 fn nobody(outcome: &Outcome) -> String {
+    let has = |event: PathEvent| outcome.paths.iter().any(|path| path.event == event.word());
     if outcome.partner_runs_session {
         "The partner runs a session. Start telespring-link probe at both sites.".to_owned()
+    } else if has(PathEvent::Refused) {
+        "The partner does not know the key of this site. Let it write what telespring-link id prints here under network.peer_id."
+            .to_owned()
+    } else if has(PathEvent::Withheld) && !has(PathEvent::Direct) {
+        "The partner is reached over the relay only, and network.relayed is false here (docs/network.md)."
+            .to_owned()
     } else {
         "Nobody answered. Start telespring-link probe at both sites within a minute or so, and check network.peer."
             .to_owned()

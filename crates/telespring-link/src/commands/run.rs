@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use telespring_link::conduct::{Plan, conduct};
-use telespring_link::console::{Console, Output};
+use telespring_link::console::{Console, Narrator, Output};
 use telespring_link::feed::Observer;
 use telespring_link::hello::draw_session;
 use telespring_link::real_time::Limits;
@@ -15,9 +15,13 @@ use telespring_link::record::live::LiveServer;
 use telespring_link::settings::{SiteFile, check_duration};
 
 use super::marks::Marks;
-use super::{Failure, orders, outcome, parts, print_summary, stop_on_signal};
+use super::{Attended, Failure, orders, outcome, parts, print_summary, stop_on_signal};
 
-/// Runs the site of a file until the partner leaves, Ctrl-C, or the time is over, and prints a summary as JSON
+/// What somebody at a terminal may type.
+const ORDERS: &str = " Orders: consent, withdraw, pause, resume, stop, clear, mark KIND TEXT.";
+
+/// Runs the site of a file until the partner leaves a session that has begun, Ctrl-C, or the time is over, and prints a summary as JSON; in a terminal
+/// it tells what happens in words, and takes orders: consent, withdraw, pause, resume, stop, clear, mark KIND TEXT
 #[derive(Debug, Args)]
 pub struct Run {
     /// The site file
@@ -25,8 +29,8 @@ pub struct Run {
     /// How long the session takes at most, s
     #[arg(long, allow_negative_numbers = true)]
     seconds: Option<f64>,
-    /// Prints status, events and summary as JSON, one object per line, and takes orders from standard input, one per line:
-    /// consent, withdraw, pause, resume, stop, clear, mark KIND TEXT
+    /// For a program that shows the session: prints status, events and summary as JSON, one object per line, and takes orders
+    /// from standard input, one per line
     #[arg(long)]
     console: bool,
     #[command(flatten)]
@@ -55,7 +59,8 @@ impl Run {
             observers.push(parts::telemetry(choice, &settings.terms)?);
         }
         let stop = stop_on_signal();
-        let [orders] = orders(marks, self.console, &stop)?;
+        let attended = Attended::new(self.console);
+        let [orders] = orders(marks, self.console || attended.gives_orders, &stop)?;
         let server = match (self.live, file.live) {
             (Some(address), _) => Some(LiveServer::start("--live", address)?),
             (None, Some(address)) => Some(LiveServer::start("live.address", address)?),
@@ -70,6 +75,11 @@ impl Run {
         if let Some(output) = &console {
             observers.push(Box::new(Console::new(output.clone(), file.side)));
         }
+        if attended.is_told {
+            observers.push(Box::new(Narrator::new(Output::stderr()?, "", attended.gives_orders)));
+            let orders = if attended.gives_orders { ORDERS } else { "" };
+            eprintln!("Site {} waits for its partner. Ctrl-C ends the session.{orders}", file.side);
+        }
         let plan = Plan {
             real_time: file.real_time,
             limits: Limits { duration },
@@ -79,7 +89,9 @@ impl Run {
         };
         let plan = plan.watched(&facts, folder, server.as_ref())?;
         let summary = conduct(settings, device, transport, plan, &stop, |_| {})?;
-        print_summary(&summary, console.as_ref());
+        if !attended.reads {
+            print_summary(&summary, console.as_ref());
+        }
         Ok(outcome([&summary]))
     }
 }

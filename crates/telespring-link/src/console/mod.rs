@@ -1,8 +1,11 @@
 //! The console: status and events of a session as JSON lines on the standard output, for a program that shows them.
 
+mod narrator;
+pub mod numbers;
 mod output;
 mod status;
 
+pub use narrator::Narrator;
 pub use output::{Line, Output};
 pub use status::{Gauge, LatencyNow, LatenessNow, Status};
 

@@ -8,10 +8,12 @@ use std::time::{Duration, Instant};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use serde::Serialize;
 
+use super::numbers;
+
 /// A pipe that says that it can be written to takes this many bytes without waiting (`PIPE_BUF`).
 const AT_ONCE: usize = 4096;
 
-/// Lines of JSON, one object each, from several threads.
+/// Lines of JSON, one object each, or of text, from several threads.
 #[derive(Debug, Clone)]
 pub struct Output(Arc<Mutex<Target>>);
 
@@ -45,6 +47,15 @@ impl Output {
         Ok(Self::on(std::io::stdout().as_fd().try_clone_to_owned()?))
     }
 
+    /// Lines on the standard error.
+    ///
+    /// # Errors
+    ///
+    /// Those of the operating system.
+    pub fn stderr() -> Result<Self> {
+        Ok(Self::on(std::io::stderr().as_fd().try_clone_to_owned()?))
+    }
+
     /// Lines into a file, a pipe or a socket.
     pub fn on(file: OwnedFd) -> Self {
         Self(Arc::new(Mutex::new(Target { file, is_closed: false, dropped: 0 })))
@@ -52,13 +63,22 @@ impl Output {
 
     /// Writes an object as a line, its type first. Waits for the reader no longer than `patience`, then drops it.
     pub fn write(&self, kind: &'static str, content: &impl Serialize, patience: Duration) {
-        let Ok(mut line) = serde_json::to_vec(&Line { kind, content }) else { return };
+        let Ok(mut line) = numbers::line(&Line { kind, content }) else { return };
         line.push(b'\n');
+        self.write_line(&line, patience);
+    }
+
+    fn write_line(&self, line: &[u8], patience: Duration) {
         // a thread that broke off while it wrote has left at most half a line
         let mut target = self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        if !target.write(&line, Instant::now() + patience) {
+        if !target.write(line, Instant::now() + patience) {
             target.dropped += 1;
         }
+    }
+
+    /// Writes a line of text, as [`Output::write`] does.
+    pub fn write_text(&self, text: &str, patience: Duration) {
+        self.write_line(format!("{text}\n").as_bytes(), patience);
     }
 
     /// Lines that were not written, because the reader stalled or left.

@@ -58,6 +58,8 @@ pub struct Status {
     pub offset: Option<f64>,
     /// Whether the person here consents, and the one there.
     pub consents: [bool; 2],
+    /// Whether this site wants a pause, and the partner.
+    pub pauses: [bool; 2],
 }
 
 /// See [`Status::lateness`].
@@ -178,8 +180,9 @@ impl Gauge {
             time: self.first.map_or(0.0, |first| (moment.time - first).seconds()),
             phase: moment.phase.word(),
             watchdog,
-            watchdog_cause,
-            round_trip: moment.session.clock.round_trip.map(Span::seconds),
+            // while nothing is coupled the watchdog judges nothing: its cause is of an earlier time
+            watchdog_cause: watchdog_cause.filter(|_| moment.phase.is_coupled()),
+            round_trip: moment.round_trip.map(Span::seconds),
             age: moment.age,
             loss: share(lost, received + lost),
             lateness: self.lateness(),
@@ -199,6 +202,7 @@ impl Gauge {
             te: (count > 0).then(|| sum / count as f64),
             offset: moment.offset.filter(|_| moment.phase == Phase::Aligning).map(|[x, y]| x.hypot(y)),
             consents: moment.consents,
+            pauses: moment.pauses,
         }
     }
 

@@ -87,6 +87,13 @@ impl Fault {
 
 /// The robot of one side. No call waits or allocates.
 pub trait Device {
+    /// Takes what the device has sent so far; whether it has measured anew since the latest reading. Only a device with a pace
+    /// of its own is asked.
+    fn listen(&mut self, now: LocalTime) -> bool {
+        let _ = now;
+        false
+    }
+
     /// What the device says now.
     ///
     /// # Errors
@@ -102,13 +109,23 @@ pub trait Device {
         None
     }
 
-    /// What becomes readable once the device has measured anew, if the device has a pace of its own.
+    /// What a robot that is not ready lacks, in words; `None` if it is ready, or does not say.
+    fn lacks(&self) -> Option<&'static str> {
+        None
+    }
+
+    /// What becomes readable when the device has sent something, if the device has a pace of its own: [`Device::listen`] says
+    /// whether that is a measurement.
     fn pace(&self) -> Option<BorrowedFd<'_>> {
         None
     }
 }
 
 impl<D: Device + ?Sized> Device for Box<D> {
+    fn listen(&mut self, now: LocalTime) -> bool {
+        (**self).listen(now)
+    }
+
     fn read(&mut self, now: LocalTime) -> Result<Reading, Fault> {
         (**self).read(now)
     }
@@ -119,6 +136,10 @@ impl<D: Device + ?Sized> Device for Box<D> {
 
     fn poll_order(&mut self) -> Option<Order> {
         (**self).poll_order()
+    }
+
+    fn lacks(&self) -> Option<&'static str> {
+        (**self).lacks()
     }
 
     fn pace(&self) -> Option<BorrowedFd<'_>> {

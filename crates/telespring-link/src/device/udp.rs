@@ -17,6 +17,35 @@ const MOST_ROWS: usize = 512;
 /// Orders of the device that wait.
 const MOST_REQUESTS: usize = 8;
 
+/// What the rows since the latest reading say together.
+#[derive(Debug, Clone, Copy, Default)]
+struct Unread {
+    rows: u32,
+    /// Sum of the measured forces, N, and their number.
+    force: ([f64; 2], u32),
+    /// A stop, or motors that may not act, in any row: another one behind it undoes nothing.
+    was_unready: bool,
+    was_stopped: bool,
+}
+
+impl Unread {
+    fn add(&mut self, state: &State) {
+        self.rows += 1;
+        self.was_unready |= !(state.is_enabled && state.is_homed);
+        self.was_stopped |= state.is_stopped;
+        if let Some(force) = state.measured_force {
+            let (sum, count) = self.force;
+            self.force = ([0, 1].map(|axis| sum[axis] + force[axis]), count + 1);
+        }
+    }
+
+    /// The mean of the measured forces, N.
+    fn force(&self) -> Option<[f64; 2]> {
+        let (sum, count) = self.force;
+        (count > 0).then(|| sum.map(|sum| sum / f64::from(count)))
+    }
+}
+
 /// A robot whose program speaks the device protocol (`docs/device-protocol.md`).
 #[derive(Debug)]
 pub struct UdpDevice {
@@ -26,6 +55,7 @@ pub struct UdpDevice {
     /// The sequence number of the newest row before the device fell silent.
     former: Option<f64>,
     heard: Option<LocalTime>,
+    unread: Unread,
     orders: u64,
     refused: u64,
     /// The newest order of the device, and those that wait, oldest first.
@@ -57,6 +87,7 @@ impl UdpDevice {
             newest: None,
             former: None,
             heard: None,
+            unread: Unread::default(),
             orders: 0,
             refused: 0,
             requested: f64::NEG_INFINITY,
@@ -110,23 +141,21 @@ impl UdpDevice {
 }
 
 impl Device for UdpDevice {
-    fn read(&mut self, now: LocalTime) -> Result<Reading, Fault> {
-        let (mut room, mut fresh) = ([0; ROOM], false);
-        let (mut sum, mut measured) = ([0.0; 2], 0_u32);
-        // a stop, or motors that may not act, in any row: another one behind it undoes nothing
-        let (mut was_ready, mut was_stopped) = (true, false);
+    fn listen(&mut self, now: LocalTime) -> bool {
+        let mut room = [0; ROOM];
         for _ in 0..MOST_ROWS {
             let Some(length) = self.link.receive(now, &mut room) else { break };
-            let Some(state) = self.take(room.get(..length).unwrap_or_default()) else { continue };
-            fresh = true;
-            was_ready &= state.is_enabled && state.is_homed;
-            was_stopped |= state.is_stopped;
-            if let Some(force) = state.measured_force {
-                sum = [0, 1].map(|axis| sum[axis] + force[axis]);
-                measured += 1;
+            if let Some(state) = self.take(room.get(..length).unwrap_or_default()) {
+                self.unread.add(&state);
             }
         }
-        if fresh {
+        self.unread.rows > 0
+    }
+
+    fn read(&mut self, now: LocalTime) -> Result<Reading, Fault> {
+        let is_fresh = self.listen(now);
+        let unread = std::mem::take(&mut self.unread);
+        if is_fresh {
             self.heard = Some(now);
         } else if self.heard.is_some_and(|heard| now - heard > self.deadline) {
             // whatever comes next may be a program started anew
@@ -135,12 +164,12 @@ impl Device for UdpDevice {
         }
         let state = self.newest;
         Ok(Reading {
-            motion: state.filter(|_| fresh).map(|state| state.motion),
+            motion: state.filter(|_| is_fresh).map(|state| state.motion),
             stamp: state.map(|State { sequence, time, .. }| Stamp { sequence, time }),
-            acted: (measured > 0).then(|| sum.map(|sum| sum / f64::from(measured))),
+            acted: unread.force(),
             target: None,
-            is_ready: was_ready && state.is_some_and(|state| state.is_enabled && state.is_homed),
-            is_stopped: was_stopped || state.is_some_and(|state| state.is_stopped),
+            is_ready: !unread.was_unready && state.is_some_and(|state| state.is_enabled && state.is_homed),
+            is_stopped: unread.was_stopped || state.is_some_and(|state| state.is_stopped),
         })
     }
 
@@ -157,6 +186,15 @@ impl Device for UdpDevice {
         let oldest = self.requests.first_mut().and_then(Option::take);
         self.requests.rotate_left(usize::from(oldest.is_some()));
         oldest
+    }
+
+    fn lacks(&self) -> Option<&'static str> {
+        self.newest.and_then(|state| match (state.is_homed, state.is_enabled) {
+            (false, false) => Some("it is not homed, and its motors are not enabled"),
+            (false, true) => Some("it is not homed"),
+            (true, false) => Some("its motors are not enabled"),
+            (true, true) => None,
+        })
     }
 
     fn pace(&self) -> Option<BorrowedFd<'_>> {
@@ -282,6 +320,27 @@ mod tests {
             let reading = device.read(LocalTime(0)).unwrap();
             assert_eq!((reading.is_ready, reading.is_stopped), (true, false), "{place}");
         }
+    }
+
+    #[test]
+    fn law_only_a_new_row_is_a_measurement_and_no_row_is_lost_by_listening() {
+        let (robot, mut device) = Robot::pair();
+        assert!(!device.listen(LocalTime(0)));
+        robot.send_row(&[0; 104]);
+        robot.send_row(b"noise");
+        robot.send_row(&Request::encode(1.0, 1.0, 0.0));
+        assert!(!device.listen(LocalTime(0)));
+        robot.send(1.0, 0.1, Some(1.0));
+        assert!(device.listen(LocalTime(0)));
+        // repeated: nothing new, but the one before is unread
+        robot.send(1.0, 0.1, Some(1.0));
+        assert!(device.listen(LocalTime(0)));
+        robot.send(2.0, 0.2, Some(2.0));
+        let reading = device.read(LocalTime(0)).unwrap();
+        assert_eq!((reading.motion.unwrap().position[0], reading.acted), (0.2, Some([1.5, 0.0])));
+        robot.send(2.0, 0.2, Some(1.0));
+        assert!(!device.listen(LocalTime(0)));
+        assert_eq!(device.poll_order(), Some(operator::Order::Consent));
     }
 
     #[test]

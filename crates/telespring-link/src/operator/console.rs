@@ -127,16 +127,16 @@ mod tests {
     #[test]
     fn law_a_line_speaks_to_the_side_that_it_names_or_to_all() {
         let [first, second] = orders(b"1 consent\n\n2 pause\r\nstop\n3 clear\n2 mark trial 2\nresume");
-        assert_eq!(first, [Order::Consent, Order::Stop, Order::Unknown, Order::Resume]);
+        assert_eq!(first, [Order::Consent, Order::Stop, Order::unknown("3 clear"), Order::Resume]);
         let [pause, stop, unknown, Order::Mark(mark), resume] = second[..] else { panic!("{second:?}") };
         assert_eq!(
             [pause, stop, unknown, resume],
-            [Order::Pause, Order::Stop, Order::Unknown, Order::Resume]
+            [Order::Pause, Order::Stop, Order::unknown("3 clear"), Order::Resume]
         );
         assert_eq!((mark.kind, mark.label.text()), (MarkKind::Trial, "2"));
         // a single site has no numbers
         let [only] = orders(b"1 consent\nconsent\n");
-        assert_eq!(only, [Order::Unknown, Order::Consent]);
+        assert_eq!(only, [Order::unknown("1 consent"), Order::Consent]);
     }
 
     #[test]
@@ -144,7 +144,7 @@ mod tests {
         let mut text = vec![b'x'; 1 << 20];
         text.extend_from_slice(b"\n\xff\xfe\nconsent\n");
         let [only] = orders(&text);
-        assert_eq!(only, [Order::Unknown, Order::Unknown, Order::Consent]);
+        assert_eq!(only, [Order::unknown("?"), Order::unknown("?"), Order::Consent]);
     }
 
     #[test]

@@ -22,6 +22,17 @@ impl Label {
         Some(Self { bytes, length: u8::try_from(text.len()).ok()? })
     }
 
+    /// What can be shown of a text: its first characters, and `?` for each that is not printable ASCII.
+    pub fn shown(text: &str) -> Self {
+        let mut label = Self { bytes: [0; Self::CAPACITY], length: 0 };
+        for (place, letter) in label.bytes.iter_mut().zip(text.chars()) {
+            let byte = u8::try_from(letter).unwrap_or(0);
+            *place = if (b' '..=b'~').contains(&byte) { byte } else { b'?' };
+            label.length += 1;
+        }
+        label
+    }
+
     /// A whole number as text.
     pub fn number(value: u32) -> Self {
         let mut label = Self { bytes: [0; Self::CAPACITY], length: 0 };
@@ -55,6 +66,14 @@ impl std::fmt::Debug for Label {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn law_any_text_is_shown_as_printable_letters() {
+        for (text, shown) in [("consnt", "consnt"), ("f\u{fc}r \u{1b}[2J", "f?r ?[2J"), ("", "")] {
+            assert_eq!(Label::shown(text).text(), shown);
+        }
+        assert_eq!(Label::shown(&"x".repeat(1000)).text().len(), Label::CAPACITY);
+    }
 
     #[test]
     fn law_a_number_reads_as_people_write_it() {

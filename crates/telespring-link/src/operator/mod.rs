@@ -24,10 +24,15 @@ pub enum Order {
     /// A marker for the record.
     Mark(Mark),
     /// Something that is no order.
-    Unknown,
+    Unknown(Label),
 }
 
 impl Order {
+    /// A text that is no order.
+    pub fn unknown(text: &str) -> Self {
+        Self::Unknown(Label::shown(text))
+    }
+
     /// The order in a word.
     pub fn word(self) -> &'static str {
         match self {
@@ -38,7 +43,7 @@ impl Order {
             Self::Stop => "stop",
             Self::Clear => "clear",
             Self::Mark(_) => "mark",
-            Self::Unknown => "unknown",
+            Self::Unknown(_) => "unknown",
         }
     }
 
@@ -58,21 +63,21 @@ impl Order {
     /// let Order::Mark(mark) = Order::parse("mark trial  7 with eyes closed") else { panic!() };
     /// assert_eq!((mark.kind, mark.label.text()), (MarkKind::Trial, "7 with eyes closed"));
     /// // a code, not a name
-    /// assert_eq!(Order::parse("mark participant Anna"), Order::Unknown);
+    /// assert_eq!(Order::parse("mark participant Anna"), Order::unknown("mark participant Anna"));
     /// ```
     pub fn parse(line: &str) -> Self {
         let line = line.trim();
         let (word, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
         let rest = rest.trim();
         match (word, rest.is_empty()) {
-            ("mark", false) => Mark::parse(rest).map_or(Self::Unknown, Self::Mark),
+            ("mark", false) => Mark::parse(rest).map_or_else(|| Self::unknown(line), Self::Mark),
             ("consent", true) => Self::Consent,
             ("withdraw", true) => Self::Withdraw,
             ("pause", true) => Self::Pause,
             ("resume", true) => Self::Resume,
             ("stop", true) => Self::Stop,
             ("clear", true) => Self::Clear,
-            _ => Self::Unknown,
+            _ => Self::unknown(line),
         }
     }
 }
@@ -169,7 +174,7 @@ mod tests {
             "mark participant 12345678901234567",
             &long,
         ] {
-            assert_eq!(Order::parse(line), Order::Unknown, "{line:?}");
+            assert_eq!(Order::parse(line), Order::unknown(line), "{line:?}");
         }
         for (line, kind, text) in [
             ("mark trial 1", MarkKind::Trial, "1"),

@@ -142,12 +142,18 @@ impl<T: Transport> Probe<T> {
         if let Ok(number) = usize::try_from(packet.sequence) {
             let travel = now.0.cast_signed().wrapping_sub(packet.sent.0.cast_signed());
             self.travels.note(number, travel);
+            if self.stage == Stage::Measuring {
+                self.first_heard = Some(self.first_heard.map_or(number, |first| first.min(number)));
+            }
         }
     }
 
     fn take_report(&mut self, now: LocalTime, report: &Report) {
-        if report.partner != self.settings.session || !self.is_partner(report.session) {
+        if report.partner != self.settings.session {
             self.strange += 1;
+            return;
+        }
+        if !self.is_partner(report.session) {
             return;
         }
         self.heard = Some(now);
@@ -155,7 +161,7 @@ impl<T: Transport> Probe<T> {
         else {
             return;
         };
-        if packets > MOST_PACKETS {
+        if !(1..=MOST_PACKETS).contains(&packets) {
             return;
         }
         if self.told.sent.is_empty() {

@@ -3,8 +3,10 @@
 //! | stage | what is sent | how it goes on |
 //! |---|---|---|
 //! | waiting | a packet every 50 ms | an echo of an own stamp came: measuring |
-//! | measuring | a packet per sample period | all are sent, and stragglers had their time: reporting |
+//! | measuring | a packet per sample period | all are sent, or one of the two sides is stopped, and stragglers had their time: reporting |
 //! | reporting | what came, block by block, until the partner has it | both have all, or nothing comes: done |
+//!
+//! A side that reports measures no more, so its partner ends its own measurement, too: both ways are over the same time.
 //!
 //! The packets are those of a session (`docs/wire.md`), from a handle at rest, so that they take the same way. A site that runs a session
 //! refuses them as those of a stranger. No robot is touched.
@@ -34,6 +36,8 @@ const STRAGGLE: Span = Span(1_000_000_000);
 const PATIENCE: Span = Span(10_000_000_000);
 /// How long a side that has everything goes on telling so.
 const LINGER: Span = Span(500_000_000);
+/// How long a report may take: that of a million packets takes a minute.
+const LONGEST_REPORT: Span = Span(300_000_000_000);
 /// The most packets of a measurement, and room for those of the time before.
 const MOST_PACKETS: usize = 1_000_000;
 /// Room for the packets of the time of waiting, of either side.
@@ -68,9 +72,9 @@ pub enum Stage {
 pub enum End {
     /// Both ways are known.
     Complete,
-    /// It was stopped; what came is known.
+    /// It was stopped before anybody had answered.
     Stopped,
-    /// The partner fell silent.
+    /// The partner fell silent before it had told all.
     Silent,
 }
 
@@ -110,10 +114,16 @@ pub struct Probe<T> {
     heard: Option<LocalTime>,
     due: LocalTime,
     sequence: u64,
+    /// Packets of the measurement, if nobody stops it.
+    packets: usize,
+    /// Somebody has stopped it.
+    is_stopped: bool,
     /// The first packet of the measurement, and when each of it was sent.
     first: u64,
     sent: Vec<LocalTime>,
     travels: Travels,
+    /// The partner's first packet that came during the measurement: a partner that tells its own first one knows better.
+    first_heard: Option<usize>,
     round_trips: Vec<Span>,
     /// What the partner has told of the own packets.
     reported: Option<Heard>,
@@ -121,6 +131,8 @@ pub struct Probe<T> {
     told: Told,
     /// Since when the last packet is sent, or everything is known.
     since: Option<LocalTime>,
+    /// When the report began.
+    reports_since: Option<LocalTime>,
     strange: u64,
     runs_session: bool,
     paths: Vec<(LocalTime, PathEvent)>,
@@ -149,13 +161,17 @@ impl<T: Transport> Probe<T> {
             heard: None,
             due: LocalTime(0),
             sequence: 0,
+            packets,
+            is_stopped: false,
             first: 0,
             sent: Vec::with_capacity(packets),
             travels: Travels::with_capacity(MOST_PACKETS + BEFORE),
+            first_heard: None,
             round_trips: Vec::with_capacity(packets),
             reported: None,
             told: Told::default(),
             since: None,
+            reports_since: None,
             strange: 0,
             runs_session: false,
             paths: Vec::new(),
@@ -164,10 +180,10 @@ impl<T: Transport> Probe<T> {
 
     /// Packets of the measurement that are sent, and of all.
     pub fn progress(&self) -> (usize, usize) {
-        (self.sent.len(), self.sent.capacity())
+        (self.sent.len(), self.packets)
     }
 
-    /// Sends and receives once. `stop` ends a measurement; what was sent until then is still reported.
+    /// Sends and receives once. `stop` ends the measurement of both sides; what was sent until then is still reported.
     pub fn tick(&mut self, clock: &impl Clock, stop: bool) -> Stage {
         self.receive(clock);
         let now = clock.now();
@@ -176,12 +192,9 @@ impl<T: Transport> Probe<T> {
                 self.paths.push((now, event));
             }
         }
+        self.is_stopped |= stop;
         match self.stage {
-            Stage::Waiting if stop => self.stage = Stage::Done(End::Stopped),
-            Stage::Measuring if stop => self.stage = Stage::Reporting,
-            _ => {}
-        }
-        match self.stage {
+            Stage::Waiting if self.is_stopped => self.stage = Stage::Done(End::Stopped),
             Stage::Waiting if self.clock.report(now).minimum_round_trip.is_some() => {
                 (self.stage, self.first, self.due) = (Stage::Measuring, self.sequence, now);
                 self.send(now);
@@ -199,7 +212,8 @@ impl<T: Transport> Probe<T> {
             }
             Stage::Waiting | Stage::Done(_) => {}
         }
-        let is_silent = self.heard.is_some_and(|heard| now - heard >= PATIENCE);
+        let is_silent = self.heard.is_some_and(|heard| now - heard >= PATIENCE)
+            || self.reports_since.is_some_and(|since| now - since >= LONGEST_REPORT);
         if is_silent && matches!(self.stage, Stage::Measuring | Stage::Reporting) {
             let knows = self.reported.as_ref().is_some_and(Heard::is_complete);
             self.stage = Stage::Done(if knows { End::Complete } else { End::Silent });
@@ -207,13 +221,16 @@ impl<T: Transport> Probe<T> {
         self.stage
     }
 
-    /// Sends a packet of the measurement, until all are sent and the last ones had their time.
+    /// Sends a packet of the measurement, until it is over and the last ones had their time.
     fn measure(&mut self, now: LocalTime) {
-        if self.sent.len() < self.sent.capacity() {
+        let is_ended = self.is_stopped || self.reported.is_some();
+        // one packet at least: there is no report on none
+        let is_over = (is_ended && !self.sent.is_empty()) || self.sent.len() >= self.packets;
+        if !is_over {
             self.send(now);
             self.since = Some(now);
         } else if self.since.is_none_or(|since| now - since >= STRAGGLE) {
-            (self.stage, self.since) = (Stage::Reporting, None);
+            (self.stage, self.since, self.reports_since) = (Stage::Reporting, None, Some(now));
             self.tell(now);
         }
     }

@@ -24,7 +24,7 @@ pub struct Outcome {
     pub round_trip: Option<Quantiles>,
     /// The largest error of the ages of one way: how well the partner's clock is known.
     pub clock_error: Option<f64>,
-    /// The way from the partner to this site.
+    /// The way from the partner to this site; of a partner that fell silent, up to its last packet that came.
     pub towards_here: Option<Way>,
     /// The way from this site to the partner, as the partner saw it.
     pub towards_partner: Option<Way>,
@@ -39,7 +39,7 @@ pub struct Outcome {
 /// A change of the way.
 #[derive(Debug, Clone, Serialize)]
 pub struct Path {
-    /// Since the first packet.
+    /// Since the first packet of the measurement.
     pub time: f64,
     /// What happened.
     pub event: &'static str,
@@ -168,7 +168,8 @@ impl<T: Transport> Probe<T> {
         let period = self.settings.period;
         let clock = self.clock.report(self.latest());
         let Ages { towards_here, towards_partner } = self.ages();
-        let first = self.sent.first().copied().unwrap_or_default();
+        let first =
+            self.sent.first().copied().or(self.paths.first().map(|(time, _)| *time)).unwrap_or_default();
         Outcome {
             schema: 1,
             end: match self.stage {
@@ -223,8 +224,11 @@ impl<T: Transport> Probe<T> {
             travels.into_iter().enumerate().map(age).collect()
         };
         let reported = self.reported.as_ref();
+        // a partner that fell silent has not told which packets were those of its measurement
+        let heard = self.first_heard.map(|first| (first, self.travels.number_from(first)));
+        let here = reported.map(|heard| (heard.first, heard.packets)).or(heard);
         Ages {
-            towards_here: reported.map(|heard| shifted(self.travels.from(heard.first, heard.packets), 1)),
+            towards_here: here.map(|(first, packets)| shifted(self.travels.from(first, packets), 1)),
             towards_partner: reported
                 .and_then(|heard| heard.travels(self.sent.len()))
                 .map(|travels| shifted(travels, -1)),

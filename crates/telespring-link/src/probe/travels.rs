@@ -44,6 +44,11 @@ impl Travels {
         (self.base, self.overtaken, self.highest) = (None, 0, None);
     }
 
+    /// Packets from `first` to the last that came.
+    pub(super) fn number_from(&self, first: usize) -> usize {
+        self.highest.map_or(0, |highest| (highest + 1).saturating_sub(first))
+    }
+
     /// The travels of the packets from `first` on, ns.
     pub(super) fn from(&self, first: usize, packets: usize) -> Vec<Option<i64>> {
         (first..first.saturating_add(packets)).map(|number| self.all.get(number).copied().flatten()).collect()

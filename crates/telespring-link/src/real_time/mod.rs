@@ -28,6 +28,25 @@ pub struct Limits {
     pub duration: Option<Span>,
 }
 
+/// Waits until the next tick is due, or the device has measured anew if the loop `follows` it. Orders, noise and errors of the
+/// device's socket set no pace.
+fn wait_for<D: Device, T: Transport>(site: &mut Site<D, T>, pace: &Pace, follows: bool) -> Woken {
+    let clock = MonotonicClock;
+    loop {
+        let woken = wait(site.device_pace().filter(|_| follows), pace.earliest(), pace.due());
+        if woken == Woken::Clock {
+            return woken;
+        }
+        let now = clock.now();
+        if site.listen(now) {
+            return woken;
+        }
+        if now >= pace.due() {
+            return Woken::Clock;
+        }
+    }
+}
+
 /// Ticks a site until its session has ended; `stop` asks it to. The device's measurements say when to tick if `follows` is
 /// set and the device has a pace of its own; the clock does otherwise, and where a measurement fails to come. `watch` sees
 /// every event and every tick. It allocates nothing if `watch` does not.
@@ -44,14 +63,17 @@ pub fn run<D: Device, T: Transport>(
     pace.begin(start);
     let mut ended = None;
     loop {
-        let woken = wait(site.device_pace().filter(|_| follows), pace.earliest(), pace.due());
+        let woken = wait_for(site, pace, follows);
         let now = clock.now();
         let lateness = match woken {
             Woken::Clock => pace.wake(now),
             Woken::Device => pace.wake_early(now),
         };
         let is_over = limits.duration.is_some_and(|duration| now - start >= duration);
-        let moment = site.tick(&clock, is_over || stop.load(Ordering::Relaxed));
+        if is_over {
+            site.expire();
+        }
+        let moment = site.tick(&clock, stop.load(Ordering::Relaxed));
         for (time, happened) in site.log().news() {
             watch(Item::Event { time: *time, happened: *happened });
         }

@@ -12,7 +12,7 @@ use crate::clock::{Clock, MonotonicClock};
 pub(super) enum Woken {
     /// The time has come.
     Clock,
-    /// The device has measured anew.
+    /// The device has sent something.
     Device,
 }
 

@@ -62,11 +62,14 @@ pub(super) fn level(happened: &Happened) -> Level {
         Happened::Disagreed(_)
         | Happened::EmergencyStop { .. }
         | Happened::NetworkPause(_)
+        | Happened::ImpossibleValue { .. }
         | Happened::RecordingBroken => Level::Error,
         Happened::Interrupted(_)
         | Happened::ConsentLost
         | Happened::OrderRefused { .. }
         | Happened::Softened(_)
+        | Happened::DeviceAwaited
+        | Happened::PartnerAwaited
         | Happened::DelayTooShort { .. } => Level::Warning,
         Happened::Agreed { .. }
         | Happened::Entered(_)
@@ -79,6 +82,7 @@ pub(super) fn level(happened: &Happened) -> Level {
         | Happened::Limiting(_)
         | Happened::Unlimited(_)
         | Happened::Restored
+        | Happened::AxisLocked { .. }
         | Happened::Leaving(_)
         | Happened::Ended(_) => Level::Info,
         Happened::Path(event) => level_of_path(*event),
@@ -89,7 +93,9 @@ pub(super) fn level(happened: &Happened) -> Level {
 fn level_of_path(event: PathEvent) -> Level {
     match event {
         PathEvent::Lost | PathEvent::Withheld | PathEvent::Refused => Level::Error,
-        PathEvent::Changed | PathEvent::Relayed | PathEvent::Rate { .. } => Level::Warning,
+        PathEvent::Changed | PathEvent::Relayed | PathEvent::Stranger | PathEvent::Rate { .. } => {
+            Level::Warning
+        }
         PathEvent::Direct => Level::Info,
     }
 }

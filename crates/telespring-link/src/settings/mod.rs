@@ -9,6 +9,7 @@ mod record;
 mod safety;
 mod session;
 mod several;
+mod spoken;
 mod telemetry;
 
 pub use device::DeviceChoice;
@@ -122,10 +123,10 @@ impl SiteFile {
             recording,
             live,
         } = toml::from_str(text).map_err(|error| {
-            let allowed = error.to_string().trim_end().to_owned();
+            let allowed = spoken::in_words(&error);
             InvalidInput::new("site", "the file", allowed, "docs/connect.md has every key of a site file.")
         })?;
-        let study = Study::from_toml(&study(&path)?).map_err(|refusal| refusal.within("study"))?;
+        let study = Study::from_toml(&study(&path)?).map_err(spoken::of_study)?;
         let (network, device) = (NetworkChoice::new(network)?, DeviceChoice::new(device)?);
         let file = Self {
             study,
@@ -151,7 +152,8 @@ impl SiteFile {
     ///
     /// Those of [`SiteSettings::new`].
     pub fn site(&self, session: u64) -> Result<SiteSettings, InvalidInput> {
-        let settings = SiteSettings::new(&self.study, self.side, session, self.safety)?;
+        let settings =
+            SiteSettings::new(&self.study, self.side, session, self.safety).map_err(spoken::of_study)?;
         let rules = self.session.rules(settings.rules, self.device.is_real());
         Ok(SiteSettings { limits: self.limits, rules, ..settings })
     }
@@ -161,6 +163,15 @@ impl SiteFile {
         if !matches!(self.side, 1 | 2) {
             let remedy = "Give the robot of the study that this site moves.";
             return Err(InvalidInput::new("side", self.side, "1 or 2", remedy));
+        }
+        if !self.study.is_planar() {
+            // of other axes there is no laboratory, whose refusal says why
+            self.study.laboratory_without_traces().map_err(spoken::of_study)?;
+        }
+        if !self.study.has_stiffness() {
+            let remedy =
+                "Write stiffness = 20.0 under [coupling] of the study, or what telespring decide says.";
+            return Err(InvalidInput::missing("study.coupling.stiffness", "N/m", remedy));
         }
         if !self.device.is_real() {
             return Ok(());

@@ -10,7 +10,7 @@ use telespring::InvalidInput;
 use super::loopback;
 use super::several::Several;
 use crate::keys::{SiteId, SiteKey, parse_ids};
-use crate::transport::IrohSettings;
+use crate::transport::{Authority, IrohSettings};
 
 /// The way to the partner.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -39,6 +39,8 @@ pub struct IrohChoice {
     pub local: Vec<SocketAddr>,
     /// A relay of one's own.
     pub relay: Option<RelayUrl>,
+    /// The file of the authority of the relay's certificate.
+    pub relay_authority: Option<PathBuf>,
     /// Whether datagrams may go over the relay for good.
     pub relayed: bool,
 }
@@ -64,6 +66,7 @@ pub(super) struct Text {
     #[serde(default)]
     peer_id: Several<String>,
     relay: Option<String>,
+    relay_authority: Option<PathBuf>,
     relayed: Option<bool>,
 }
 
@@ -87,17 +90,19 @@ impl NetworkChoice {
     pub(super) fn within(mut self, folder: &Path) -> Self {
         if let Self::Iroh(choice) = &mut self {
             choice.key = folder.join(&choice.key);
+            choice.relay_authority = choice.relay_authority.take().map(|path| folder.join(path));
         }
         self
     }
 }
 
 fn udp(text: Text) -> Result<NetworkChoice, InvalidInput> {
-    let Text { transport: _, local, peer, key, peer_id, relay, relayed } = text;
+    let Text { transport: _, local, peer, key, peer_id, relay, relay_authority, relayed } = text;
     let given = [
         ("key", key.is_some()),
         ("peer_id", !peer_id.0.is_empty()),
         ("relay", relay.is_some()),
+        ("relay_authority", relay_authority.is_some()),
         ("relayed", relayed.is_some()),
     ];
     if let Some((key, _)) = given.iter().find(|(_, is_given)| *is_given) {
@@ -118,7 +123,7 @@ fn udp(text: Text) -> Result<NetworkChoice, InvalidInput> {
 
 impl IrohChoice {
     fn new(text: Text) -> Result<Self, InvalidInput> {
-        let Text { transport: _, local, peer, key, peer_id, relay, relayed } = text;
+        let Text { transport: _, local, peer, key, peer_id, relay, relay_authority, relayed } = text;
         let key = key.ok_or_else(|| {
             let remedy = "Make one with telespring-link keygen, and give its path.";
             InvalidInput::missing("network.key", "the file of this site's key", remedy)
@@ -129,6 +134,7 @@ impl IrohChoice {
             peers: peer.0,
             local: local.0,
             relay: relay.as_deref().map(relay_url).transpose()?,
+            relay_authority,
             relayed: relayed.unwrap_or(false),
         };
         choice.check()?;
@@ -166,22 +172,23 @@ impl IrohChoice {
                 return Err(InvalidInput::new("network.peer", peer, allowed, remedy));
             }
         }
-        if self.relayed && self.relay.is_none() {
+        let needs_relay = [("relayed", self.relayed), ("relay_authority", self.relay_authority.is_some())];
+        if let Some((key, _)) = needs_relay.iter().find(|(_, is_given)| *is_given && self.relay.is_none()) {
             return Err(InvalidInput::new(
-                "network.relayed",
-                true,
-                "a relay over which datagrams may go",
-                "Give the address of your own relay as network.relay, or leave relayed out.",
+                format!("network.{key}"),
+                "given",
+                "a relay that it is about",
+                format!("Give the address of your own relay as network.relay, or leave {key} out."),
             ));
         }
         Ok(())
     }
 
-    /// What the transport is made of: reads the key. `priority`: that of the loop, if it has one.
+    /// What the transport is made of: reads the files. `priority`: that of the loop, if it has one.
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] if the key cannot be read, or is the partner's.
+    /// [`InvalidInput`] if a file cannot be read, or the key is the partner's.
     pub fn settings(&self, priority: Option<i32>) -> Result<IrohSettings, InvalidInput> {
         let key = SiteKey::read("network.key", &self.key)?;
         if self.peer_ids.contains(&key.id()) {
@@ -193,9 +200,14 @@ impl IrohChoice {
                 remedy,
             ));
         }
-        let Self { key: _, peer_ids, peers, local, relay, relayed } = self.clone();
+        let relay_authority = self
+            .relay_authority
+            .as_deref()
+            .map(|path| Authority::read("network.relay_authority", path))
+            .transpose()?;
+        let Self { key: _, peer_ids, peers, local, relay, relay_authority: _, relayed } = self.clone();
         let priority = priority.map(|priority| priority - 1).filter(|priority| *priority > 0);
-        Ok(IrohSettings { key, peer_ids, peers, local, relay, relayed, priority })
+        Ok(IrohSettings { key, peer_ids, peers, local, relay, relay_authority, relayed, priority })
     }
 }
 

@@ -73,6 +73,11 @@ impl Accord {
         self.partner().is_some_and(|stance| stance.has_consented && stance.round == self.own.round)
     }
 
+    /// Whether the partner wants a pause, as it said last.
+    pub(super) fn partner_pauses(&self) -> bool {
+        self.partner().is_some_and(|stance| stance.is_paused)
+    }
+
     /// How far both sides are. `is_settled`: both have accepted each other's terms. Silence of a partner while coupled is for
     /// the watchdog to judge.
     pub(super) fn stage(&self, now: LocalTime, is_settled: bool) -> Stage {

@@ -42,6 +42,7 @@ impl<D: Device, T: Transport> Site<D, T> {
 
     /// Takes a greeting.
     fn hear(&mut self, now: LocalTime, greeting: &Greeting) {
+        self.awaited.partner = false;
         match self.greeter.hear(now, greeting, self.is_idle()) {
             Heard::Nothing => {}
             Heard::Refusable => self.tally.strange_greetings += 1,
@@ -54,6 +55,7 @@ impl<D: Device, T: Transport> Site<D, T> {
                 self.accord.meet(greeting.stance.round);
                 self.round_trips = RoundTrips::default();
                 self.log.push(now, Happened::Agreed { session });
+                self.lock(now, greeting.terms.lock);
                 self.learn(now, greeting);
             }
             Heard::Partner => self.learn(now, greeting),

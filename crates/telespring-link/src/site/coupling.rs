@@ -6,7 +6,8 @@ use telespring::session::{LocalTime, Span, WatchdogState};
 use super::accord::Stage;
 use super::alignment::Alignment;
 use super::fallback::{Seen, Verdict};
-use super::{Badness, Cause, Consent, Happened, Interruption, Phase, Site};
+use super::locks::without;
+use super::{Badness, Cause, Consent, Happened, Interruption, Phase, Site, Why};
 use crate::device::Device;
 use crate::transport::Transport;
 
@@ -30,6 +31,16 @@ pub(super) enum Coupling {
     },
 }
 
+/// Why a partner let go, as the stage shows that both are in without it.
+fn why(stage: Stage) -> Why {
+    match stage {
+        Stage::Stopped => Why::Stopped,
+        Stage::Homing => Why::NotReady,
+        Stage::Paused => Why::Paused,
+        _ => Why::LetGo,
+    }
+}
+
 impl<D: Device, T: Transport> Site<D, T> {
     /// Judges, before anything is sent, what the own motion means for this side.
     pub(super) fn judge(&mut self, now: LocalTime) {
@@ -45,7 +56,7 @@ impl<D: Device, T: Transport> Site<D, T> {
             }
         }
         if let Coupling::On { .. } = self.coupling {
-            let broken = self.motion.and_then(|motion| self.limits.broken(&motion, &self.travel));
+            let broken = self.handle.and_then(|motion| self.limits.broken(&motion, &self.travel));
             if let Some(interruption) = broken {
                 self.interrupt(now, interruption);
             }
@@ -54,9 +65,9 @@ impl<D: Device, T: Transport> Site<D, T> {
             return;
         }
         let there = self.accord.partner().and_then(|stance| stance.position);
-        self.offset = Alignment::offset(self.motion.as_ref(), there);
+        self.offset = Alignment::offset(self.motion.as_ref(), there).map(|offset| without(self.lock, offset));
         let knows_network = self.knows_network();
-        let is_inside = self.motion.is_some_and(|motion| self.limits.holds(motion.position));
+        let is_inside = self.handle.is_some_and(|motion| self.limits.holds(motion.position));
         let is_resting = self.is_resting();
         let own = &mut self.accord.own;
         let was = std::mem::replace(&mut own.is_aligned, false);
@@ -88,7 +99,7 @@ impl<D: Device, T: Transport> Site<D, T> {
             if stage == Stage::Agreed {
                 self.fall_back(now);
             } else {
-                self.interrupt(now, Interruption::Partner);
+                self.interrupt(now, Interruption::Partner(why(stage)));
             }
             stage = self.stage(now);
         }

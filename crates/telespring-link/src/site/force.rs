@@ -95,6 +95,11 @@ impl ForceGate {
         }
     }
 
+    /// Along a locked axis nothing goes through.
+    pub(super) fn lock(&mut self, scale: f64, lock: [bool; 2]) {
+        self.scale = lock.map(|is_locked| if is_locked { 0.0 } else { scale });
+    }
+
     /// The command that acts now.
     fn commanded(&self) -> ([f64; 2], bool) {
         let [last, before] = self.passed;

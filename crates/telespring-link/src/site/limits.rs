@@ -18,7 +18,7 @@ pub struct Limits {
     pub workspace: [[f64; 2]; 2],
     /// The share of the force that acts, 0 to 1.
     pub scale: f64,
-    /// Axes along which no force acts.
+    /// Axes that are left out of the coupling, at both sites: along them no force acts, and the handles are where they like.
     pub lock: [bool; 2],
 }
 

@@ -74,6 +74,24 @@ pub enum Happened {
     Ended(Cause),
     /// An event of the endpoint.
     Session(EventKind),
+    /// The own device reported a value that cannot be, and that was not used.
+    ImpossibleValue {
+        /// What it is said to be, with its place in the row.
+        what: &'static str,
+        /// The value.
+        value: f64,
+    },
+    /// An axis is left out of the coupling, as this site or the partner wants it.
+    AxisLocked {
+        /// 0 for x, 1 for y.
+        axis: u8,
+        /// Whether this site wants it, and the partner.
+        by: [bool; 2],
+    },
+    /// The device program has not reported anything yet.
+    DeviceAwaited,
+    /// The partner has not said anything yet.
+    PartnerAwaited,
     /// The way of the datagrams has changed.
     Path(PathEvent),
     /// The recording has broken off; the session goes on.
@@ -103,6 +121,7 @@ impl Happened {
             | Self::PartnerConsented
             | Self::EmergencyStop { is_own: false }
             | Self::DelayTooShort { .. }
+            | Self::AxisLocked { .. }
             | Self::Session(_)
             | Self::Path(_) => Author::There,
             Self::OrderRefused { .. } | Self::Mark(_) => Author::Orders,
@@ -144,12 +163,20 @@ pub struct Log {
     news: Vec<(LocalTime, Happened)>,
     there: Allowance,
     orders: Allowance,
+    latest: LocalTime,
 }
 
 impl Log {
     pub(super) fn new() -> Self {
         let (news, whole) = (Vec::with_capacity(NEWS_CAPACITY), Allowance(Allowance::MOST));
-        Self { entries: Vec::with_capacity(LOG_CAPACITY), missed: 0, news, there: whole, orders: whole }
+        Self {
+            entries: Vec::with_capacity(LOG_CAPACITY),
+            missed: 0,
+            news,
+            there: whole,
+            orders: whole,
+            latest: LocalTime(0),
+        }
     }
 
     /// A tick begins.
@@ -159,8 +186,11 @@ impl Log {
         self.orders.begin_tick();
     }
 
-    /// Adds an entry, if there is room. The last place is for the end.
+    /// Adds an entry, if there is room. The last place is for the end. What a tick finds out counts as of now, also if something
+    /// came while it ran: the times rise.
     pub(super) fn push(&mut self, time: LocalTime, happened: Happened) {
+        let time = time.max(self.latest);
+        self.latest = time;
         let (is_allowed, room) = match happened.author() {
             Author::There => (self.there.take(), LOG_CAPACITY - RESERVED),
             Author::Orders => (self.orders.take(), LOG_CAPACITY - RESERVED),

@@ -25,9 +25,12 @@ impl<D: Device, T: Transport> Site<D, T> {
                     self.tell_stop(now, true);
                 }
                 if let Some(motion) = &reading.motion {
-                    self.motion = Some(*motion);
+                    self.handle = Some(*motion);
+                    self.awaited.device = false;
                     self.travel.take(now, motion);
                 }
+                let reading = self.unlocked(reading);
+                self.motion = reading.motion.or(self.motion);
                 // while coupled, the endpoint and its watchdog see to what cannot be
                 let is_possible = self.coupling != Coupling::Off || !self.motion.is_some_and(is_impossible);
                 let is_ready = reading.is_ready && !reading.is_stopped && is_possible;
@@ -44,7 +47,7 @@ impl<D: Device, T: Transport> Site<D, T> {
                     self.interrupt(now, Interruption::Device(fault));
                 }
                 self.accord.own.is_ready = false;
-                self.motion = None;
+                (self.motion, self.handle) = (None, None);
                 self.travel.forget();
                 None
             }
@@ -83,12 +86,14 @@ impl<D: Device, T: Transport> Site<D, T> {
     /// The force that the device has measured, if it can be: the account believes it.
     fn measured_force(&mut self, now: LocalTime, reading: &Reading) -> Option<[f64; 2]> {
         let acted = reading.acted?;
-        let Some(value) = acted.into_iter().find(|value| !(value.abs() <= Limits::NONE.force)) else {
+        let places = ["measured force in x (place 7)", "measured force in y (place 8)"];
+        let is_wrong = |(_, value): &(&str, f64)| !(value.abs() <= Limits::NONE.force);
+        let Some((what, value)) = places.into_iter().zip(acted).find(is_wrong) else {
             return Some(acted);
         };
         if self.impossible_force.is_none_or(|then| now - then >= QUIET) {
             self.impossible_force = Some(now);
-            self.log.push(now, Happened::Session(EventKind::ImpossibleValue { value }));
+            self.log.push(now, Happened::ImpossibleValue { what, value });
         }
         None
     }
@@ -111,6 +116,21 @@ impl<D: Device, T: Transport> Site<D, T> {
             self.accord.own.is_ready = false;
         }
     }
+}
+
+/// An event of the endpoint; of a value that cannot be, which one it is.
+pub(super) fn event(kind: EventKind, motion: Option<Motion>) -> Happened {
+    let EventKind::ImpossibleValue { value } = kind else { return Happened::Session(kind) };
+    let Some(Motion { position, velocity }) = motion else { return Happened::Session(kind) };
+    let places = [
+        "position in x (place 3)",
+        "position in y (place 4)",
+        "velocity in x (place 5)",
+        "velocity in y (place 6)",
+    ];
+    let values = position.into_iter().chain(velocity);
+    let found = places.into_iter().zip(values).find(|(_, one)| one.to_bits() == value.to_bits());
+    found.map_or(Happened::Session(kind), |(what, value)| Happened::ImpossibleValue { what, value })
 }
 
 fn is_impossible(motion: Motion) -> bool {

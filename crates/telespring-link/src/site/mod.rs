@@ -9,11 +9,13 @@
 mod accord;
 mod alignment;
 mod arrivals;
+mod awaited;
 mod coupling;
 mod fallback;
 mod force;
 mod greeter;
 mod limits;
+mod locks;
 mod log;
 mod measuring;
 mod moment;
@@ -31,7 +33,7 @@ pub use log::{Happened, LOG_CAPACITY, Log};
 pub use moment::{Moment, Tally};
 pub use notes::{Arrival, Forces, Latency, Newest};
 pub use notices::Limit;
-pub use phase::{Cause, Interruption, Phase};
+pub use phase::{Cause, Interruption, Phase, Why};
 pub use settings::{Consent, Rules, Safety, SiteSettings};
 
 use std::os::fd::BorrowedFd;
@@ -45,11 +47,12 @@ use telespring::session::{Endpoint, LocalTime, Motion, SessionReport, Span, Watc
 
 use crate::clock::Clock;
 use crate::device::{Command, Device, Reading};
-use crate::hello::Purpose;
+use crate::hello::{Purpose, Terms};
 use crate::operator::Order;
-use crate::transport::{Transport, TransportReport};
-use accord::Accord;
+use crate::transport::{PathEvent, Transport, TransportReport};
+use accord::{Accord, FRESH};
 use alignment::Alignment;
+use awaited::Awaited;
 use coupling::Coupling;
 use fallback::Watch;
 use force::ForceGate;
@@ -91,9 +94,12 @@ pub struct Site<D, T> {
     too_short_since: Option<LocalTime>,
     /// When the next greeting or goodbye is due.
     greet_at: LocalTime,
-    /// The latest own motion, and how fast its positions change.
-    motion: Option<Motion>,
+    /// The latest own motion as the device reported it, and how fast its positions change.
+    handle: Option<Motion>,
     travel: Travel,
+    /// The same without the axes that are locked, here or there.
+    motion: Option<Motion>,
+    lock: [bool; 2],
     /// From the own handle to the partner's, m.
     offset: Option<[f64; 2]>,
     /// The partner's latest packet that the endpoint took.
@@ -102,6 +108,10 @@ pub struct Site<D, T> {
     passed_over: PassedOver,
     /// Whether the own consent that was told last holds.
     told_consent: bool,
+    /// Who has not come yet.
+    awaited: Awaited,
+    /// Whether a stranger was told.
+    told_stranger: bool,
     /// When an impossible force of the device was told last.
     impossible_force: Option<LocalTime>,
     /// Ticks that the strategy had limited before this one.
@@ -110,6 +120,8 @@ pub struct Site<D, T> {
     suspended: Option<Span>,
     /// Whether the emergency stop is pressed now.
     is_pressed: bool,
+    /// Whether the time for this session is over.
+    is_expired: bool,
     orders: Option<Consumer<Order>>,
     log: Log,
     tally: Tally,
@@ -126,6 +138,7 @@ impl<D: Device, T: Transport> Site<D, T> {
     /// [`InvalidInput`] for a setting out of range.
     pub fn new(settings: SiteSettings, device: D, transport: T) -> Result<Self, InvalidInput> {
         let SiteSettings { terms, endpoint, safety, limits, rules } = settings;
+        let terms = Terms { lock: limits.lock, ..terms };
         safety.check()?;
         limits.check()?;
         rules.check()?;
@@ -163,16 +176,21 @@ impl<D: Device, T: Transport> Site<D, T> {
             left: None,
             too_short_since: None,
             greet_at: LocalTime(0),
-            motion: None,
+            handle: None,
             travel: Travel::default(),
+            motion: None,
+            lock: limits.lock,
             offset: None,
             heard: None,
             passed_over: PassedOver::default(),
             told_consent: false,
+            awaited: Awaited::new(),
+            told_stranger: false,
             impossible_force: None,
             limited_ticks: 0,
             suspended: None,
             is_pressed: false,
+            is_expired: false,
             orders: None,
             log: Log::new(),
             tally: Tally::default(),
@@ -197,6 +215,8 @@ impl<D: Device, T: Transport> Site<D, T> {
         self.take_orders(now);
         if stop {
             self.leave(now, Cause::StopRequested);
+        } else if self.is_expired {
+            self.leave(now, Cause::TimeOver);
         }
         self.judge(now);
         match &reading {
@@ -234,6 +254,10 @@ impl<D: Device, T: Transport> Site<D, T> {
             self.accord.own.phase = self.phase.code();
             let greeting = self.greeter.greeting(purpose, self.accord.own, self.round_trips.stamps(now));
             self.transport.send(now, &greeting.encode());
+            if !self.told_stranger && self.transport.report().strangers > 0 {
+                self.told_stranger = true;
+                self.log.push(now, Happened::Path(PathEvent::Stranger));
+            }
         }
     }
 
@@ -241,11 +265,14 @@ impl<D: Device, T: Transport> Site<D, T> {
     fn tell(&mut self, now: LocalTime, is_coupled: bool) {
         while let Some(event) = self.endpoint.poll_event() {
             if is_coupled {
-                self.log.push(event.time, Happened::Session(event.kind));
+                self.log.push(event.time, measuring::event(event.kind, self.motion));
             }
         }
         while let Some(event) = self.transport.poll_path() {
             self.log.push(now, Happened::Path(event));
+        }
+        if self.phase != Phase::Ended {
+            self.awaited.tell(now, &mut self.log);
         }
         let consents = self.accord.own.has_consented;
         // whoever leaves needs none any more
@@ -300,6 +327,8 @@ impl<D: Device, T: Transport> Site<D, T> {
             unnoted_arrivals: self.notes.unnoted,
             offset: self.offset.filter(|_| !is_coupled),
             consents: [self.accord.own.has_consented, self.accord.partner_consents()],
+            pauses: [self.accord.own.is_paused, self.accord.partner_pauses()],
+            round_trip: self.round_trip_now(now),
             share: self.notes.share,
             is_cut: self.gate.was_cut(),
         };
@@ -308,6 +337,15 @@ impl<D: Device, T: Transport> Site<D, T> {
         self.notes.tick += 1;
         self.tally.count(&moment);
         moment
+    }
+
+    /// The latest round trip: of the packets while coupled, else of the greetings; `None` if nothing has come lately.
+    fn round_trip_now(&self, now: LocalTime) -> Option<Span> {
+        let is_fresh = |heard: Option<LocalTime>| heard.is_some_and(|heard| now - heard <= FRESH);
+        if self.phase.is_coupled() && self.heard.is_some() {
+            return self.endpoint.snapshot().clock.round_trip.filter(|_| is_fresh(self.heard));
+        }
+        self.round_trips.latest().filter(|_| is_fresh(self.round_trips.heard()))
     }
 
     /// Says in the log when this switch is set, and resets it: the recording has broken off.
@@ -357,7 +395,17 @@ impl<D: Device, T: Transport> Site<D, T> {
         &self.device
     }
 
-    /// What becomes readable once the device has measured anew, if it has a pace of its own.
+    /// Whether the device has measured anew since the latest tick, if it has a pace of its own.
+    pub fn listen(&mut self, now: LocalTime) -> bool {
+        self.device.listen(now)
+    }
+
+    /// The time for this session is over: the next tick leaves it.
+    pub fn expire(&mut self) {
+        self.is_expired = true;
+    }
+
+    /// What becomes readable when the device has sent something, if it has a pace of its own.
     pub fn device_pace(&self) -> Option<BorrowedFd<'_>> {
         self.device.pace()
     }

@@ -20,7 +20,7 @@ pub struct Moment {
     pub phase: Phase,
     /// The state of the endpoint's watchdog; it says nothing before the session runs.
     pub state: WatchdogState,
-    /// The motion that the device reported.
+    /// The motion that the device reported; 0 along an axis that is locked, here or there.
     pub motion: Option<Motion>,
     /// The target that the person sees.
     pub target: Option<Motion>,
@@ -36,6 +36,10 @@ pub struct Moment {
     pub offset: Option<[f64; 2]>,
     /// Whether the person here consents, and the one there.
     pub consents: [bool; 2],
+    /// Whether this site wants a pause, and the partner.
+    pub pauses: [bool; 2],
+    /// The latest round trip; `None` if nothing has come lately.
+    pub round_trip: Option<Span>,
     /// The share of the endpoint's force that is let through: below 1 while it is softened or let down, 0 without a force.
     pub share: f64,
     /// Whether the force was cut to its limit.

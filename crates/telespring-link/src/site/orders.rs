@@ -67,7 +67,7 @@ impl<D: Device, T: Transport> Site<D, T> {
                 self.log.push(now, Happened::Mark(mark));
                 true
             }
-            Order::Unknown => false,
+            Order::Unknown(_) => false,
         }
     }
 

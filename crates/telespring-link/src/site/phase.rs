@@ -74,8 +74,10 @@ impl Phase {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Cause {
-    /// The time is over, or the operator wants to stop.
+    /// Somebody wants to stop.
     StopRequested,
+    /// The time for the session is over.
+    TimeOver,
     /// The partner said goodbye.
     PartnerLeft,
     /// The partner's terms are others.
@@ -91,6 +93,7 @@ impl Cause {
     pub fn word(self) -> &'static str {
         match self {
             Self::StopRequested => "stop-requested",
+            Self::TimeOver => "time-over",
             Self::PartnerLeft => "partner-left",
             Self::Refused(_) => "refused",
             Self::DelayRefused => "delay-refused",
@@ -121,10 +124,34 @@ pub enum Interruption {
     Device(Fault),
     /// The machine was suspended: nobody knows what happened meanwhile.
     Suspended,
-    /// The partner paused, stopped, withdrew its consent, or has a device that is not ready.
-    Partner,
+    /// The partner let go.
+    Partner(Why),
     /// The partner's program started anew.
     PartnerChanged,
+}
+
+/// Why a partner let go, as far as it says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Why {
+    /// It wants a pause.
+    Paused,
+    /// Its emergency stop has latched.
+    Stopped,
+    /// Its robot is silent, not homed, or its motors may not act.
+    NotReady,
+    /// Anything else: a consent taken back, for instance.
+    LetGo,
+}
+
+impl Why {
+    fn word(self) -> &'static str {
+        match self {
+            Self::Paused => "partner-paused",
+            Self::Stopped => "partner-stopped",
+            Self::NotReady => "partner-not-ready",
+            Self::LetGo => "partner",
+        }
+    }
 }
 
 impl Interruption {
@@ -140,7 +167,7 @@ impl Interruption {
             Self::DeviceNotReady => "device-not-ready",
             Self::Device(fault) => fault.word(),
             Self::Suspended => "suspended",
-            Self::Partner => "partner",
+            Self::Partner(why) => why.word(),
             Self::PartnerChanged => "partner-changed",
         }
     }

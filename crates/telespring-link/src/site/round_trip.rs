@@ -39,6 +39,16 @@ impl RoundTrips {
         Stamps { sent: now.0, echo, held }
     }
 
+    /// The latest round trip.
+    pub(super) fn latest(&self) -> Option<Span> {
+        self.latest.get((self.next + KEPT - 1) % KEPT).copied().flatten()
+    }
+
+    /// When the partner was heard last.
+    pub(super) fn heard(&self) -> Option<LocalTime> {
+        self.heard.map(|(_, heard)| heard)
+    }
+
     /// The median of the latest round trips, if there are enough of them.
     pub(super) fn median(&self) -> Option<Span> {
         let count = self.latest.iter().flatten().count();
@@ -64,7 +74,8 @@ mod tests {
             let now = LocalTime(trip * 1000);
             trips.take(now, &Stamps { sent: trip, echo: now.0 - 100 - trip, held: 100 });
         }
-        assert_eq!(trips.median(), Some(Span(5)));
+        assert_eq!([trips.median(), trips.latest()], [5, 9].map(|trip| Some(Span(trip))));
+        assert_eq!(trips.heard(), Some(LocalTime(9000)));
         for (echo, held) in [(0, 0), (9_001, 0), (8_000, 1_001), (u64::MAX >> 1, 1), (1, u64::MAX >> 1)] {
             trips.take(LocalTime(9_000), &Stamps { sent: 10, echo, held });
         }

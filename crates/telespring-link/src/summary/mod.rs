@@ -1,6 +1,7 @@
 //! What a session was, as JSON.
 
 mod events;
+mod remedies;
 
 pub use events::{Entry, event_words, watchdog_words};
 

@@ -187,6 +187,8 @@ pub(super) mod tests {
             heard: Some(LocalTime(2_000_000_000)),
             offset: None,
             consents: [true; 2],
+            pauses: [false; 2],
+            round_trip: None,
             share: 1.0,
             is_cut: false,
         }

@@ -8,7 +8,7 @@ mod emulated;
 mod iroh;
 mod udp;
 
-pub use self::iroh::{ALPN, Iroh, IrohSettings};
+pub use self::iroh::{ALPN, Authority, Iroh, IrohSettings};
 pub use emulated::Emulated;
 pub use udp::Udp;
 
@@ -37,6 +37,8 @@ pub enum PathEvent {
     },
     /// The partner does not know this site's key. Said once; the transport goes on asking.
     Refused,
+    /// Somebody whose key this site does not know wanted to connect. Said once.
+    Stranger,
     /// No way is left, or the partner is silent on it. The transport goes on looking for one.
     Lost,
 }
@@ -51,6 +53,7 @@ impl PathEvent {
             Self::Withheld => "path-withheld",
             Self::Rate { .. } => "path-rate",
             Self::Refused => "path-refused",
+            Self::Stranger => "path-stranger",
             Self::Lost => "path-lost",
         }
     }

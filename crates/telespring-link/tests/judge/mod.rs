@@ -140,8 +140,8 @@ fn growth(before: [f64; 2], after: [f64; 2]) -> f64 {
 /// The largest step of the force from this tick to the next, N.
 ///
 /// A force is a share of the spring's, or what the account can pay, if that is less. The share is 1 or follows a ramp. The
-/// spring's follows both handles, and the part of the partner's motion that is played. When in a tick the force was computed is
-/// not on record: before the next tick.
+/// spring's follows both handles, and the part of the partner's motion that is played; what `limits.rise` held back comes after.
+/// When in a tick the force was computed is not on record: before the next tick.
 fn largest_step(moments: &[Moment], at: usize, rules: &Rules, speed: f64) -> f64 {
     let Rules { safety, stiffness, .. } = rules;
     let [before, after, next] = [moments[at], moments[at + 1], moments[at + 2]];
@@ -167,5 +167,8 @@ fn largest_step(moments: &[Moment], at: usize, rules: &Rules, speed: f64) -> f64
         (Some(_), Some(_)) => (payable(&after, *stiffness) - payable(&before, *stiffness)).abs(),
         _ => 0.0,
     };
-    ramp + stiffness * (own + speed * played) + account
+    // what the limit of the growth held back in the tick before, it may let follow now
+    let [wanted, force] = [before.forces.wanted.unwrap_or(before.force), before.force];
+    let held_back = if before.is_cut { size([0, 1].map(|axis| wanted[axis] - force[axis])) } else { 0.0 };
+    ramp + stiffness * (own + speed * played) + account + held_back
 }

@@ -41,6 +41,7 @@ impl Known {
             peers: vec![at(1 - side, PORT)],
             local: vec![at(side, PORT)],
             relay: None,
+            relay_authority: None,
             relayed: false,
             priority: None,
         });

@@ -124,13 +124,16 @@ impl Trace {
         let mut silences = 0;
         let mut events = self.summary.events.iter();
         while let Some(entry) = events.next() {
-            if (entry.event, entry.cause.as_deref()) != ("ramping-out", silence) {
+            if entry.event == "leaving" {
+                // it lets go anyway, and what a silence does to that force is not told to its end
+                break;
+            }
+            if (entry.event, entry.cause.as_deref()) != ("force-ramping-out", silence) {
                 continue;
             }
             // what the session says beside its endpoint does not count
-            let is_endpoints = |entry: &&Entry| {
-                matches!(entry.event, "disengaged" | "partner-restarted" | "leaving" | "engaged")
-            };
+            let is_endpoints =
+                |entry: &&Entry| matches!(entry.event, "disengaged" | "partner-restarted" | "engaged");
             let mut after = events.by_ref().filter(is_endpoints);
             let end = after.next().map(|entry| (entry.event, entry.cause.as_deref()));
             assert!(
@@ -139,6 +142,9 @@ impl Trace {
                 self.summary.events
             );
             silences += 1;
+            if end.is_some_and(|(event, _)| event == "leaving") {
+                break;
+            }
         }
         silences
     }

@@ -1,5 +1,7 @@
 //! A path between two sites on this machine that loses datagrams, or all of them, for several tests.
 
+#![allow(dead_code, reason = "no test needs all of it")]
+
 use std::net::{SocketAddr, UdpSocket};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};

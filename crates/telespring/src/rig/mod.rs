@@ -7,6 +7,7 @@
 //! | [`network`] | what a network does to packets; adversaries; recorded traces |
 //! | [`plant`] | robots held by arms, moved by forces |
 //! | [`replay`] | a recorded live session through endpoints of the same or other settings |
+//! | [`RunningTrial`] | a trial under way, moved tick by tick by the caller |
 //! | [`SimulatedRobot`] | one robot with its arm and agent, moved step by step by the caller |
 //! | [`trial_seed`] | the seed of each trial of a rehearsal |
 //!
@@ -41,6 +42,7 @@ mod random;
 mod record;
 pub mod replay;
 mod robot;
+mod running;
 mod schedule;
 mod station;
 mod target;
@@ -62,6 +64,7 @@ pub use plant::{Halt, OutOfReach};
 pub use random::trial_seed;
 pub use record::{Record, Recording, Row, Status, TrialOutcome};
 pub use robot::SimulatedRobot;
+pub use running::RunningTrial;
 pub use schedule::{MAX_TICKS, Schedule};
 pub use station::POSITION_LIMIT;
 pub use target::figure_eight_positions;

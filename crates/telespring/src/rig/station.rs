@@ -2,10 +2,11 @@
 
 use super::actuated::{ActingForces, ActuatedPlant};
 use super::agent::AgentState;
+use super::connected::ConnectedMode;
 use super::energy::held_force_energy;
 use super::network::Channel;
 use super::plant::{Halt, Plant};
-use super::{Controller, Laboratory, Trial};
+use super::{Controller, Laboratory};
 use crate::error::Result;
 use crate::session::{Endpoint, LocalTime, Motion, Span, motion};
 
@@ -73,25 +74,29 @@ impl RunningStation {
     }
 }
 
-impl Trial<'_> {
-    /// Both stations at the start of the trial.
-    pub(super) fn start_stations(&self) -> Result<[RunningStation; 2]> {
-        let Laboratory { stations: sides, target, controller, network, .. } = self.laboratory;
+impl RunningStation {
+    /// Both stations at the start of a trial in this condition.
+    pub(super) fn pair(
+        laboratory: &Laboratory,
+        coupling: Option<ConnectedMode>,
+        seed: u64,
+    ) -> Result<[Self; 2]> {
+        let Laboratory { stations: sides, target, controller, network, .. } = laboratory;
         let period = Span::from_seconds(controller.sample_period);
         let start = target.at_tick(0, controller.sample_period).position;
-        let station = |side: usize| -> Result<RunningStation> {
-            let linked = self.coupling.map(|coupling| -> Result<_> {
-                let facts = self.laboratory.side_facts(side, &coupling);
-                let settings = self.laboratory.session.architecture.rehearsal_settings(&facts)?;
+        let station = |side: usize| -> Result<Self> {
+            let linked = coupling.map(|coupling| -> Result<_> {
+                let facts = laboratory.side_facts(side, &coupling);
+                let settings = laboratory.session.architecture.rehearsal_settings(&facts)?;
                 let travel = (Span::from_seconds(facts.delays[0]) - period).max(Span(0));
-                Ok((Endpoint::new(settings)?, network.towards(side).channel(travel, self.seed, side)))
+                Ok((Endpoint::new(settings)?, network.towards(side).channel(travel, seed, side)))
             });
             let (endpoint, link) = linked.transpose()?.unzip();
             let plant = Plant::new(sides[side].handle, &sides[side].arm, start)
                 .map_err(|refusal| refusal.within(&format!("arm{}", side + 1)))?;
-            Ok(RunningStation {
+            Ok(Self {
                 robot: ActuatedPlant::new(plant),
-                mover: AgentState::new(&sides[side].agent, self.seed, side),
+                mover: AgentState::new(&sides[side].agent, seed, side),
                 endpoint,
                 link,
             })

@@ -1,22 +1,13 @@
 //! A trial: two controllers, two agents, two plants and a network in virtual time.
-//!
-//! Time is counted in ticks of the controllers; tick n is at n·period. At every tick both sides measure and
-//! send; then packets that have arrived are delivered; then both compute their forces, which are held until
-//! the next tick. With a computing tick the forces of the previous tick act instead. Both sides thus use
-//! samples of the same instant, in either order of computation.
 
-use super::actuated::ActingForces;
-use super::agent::{AgentState, Observation};
+use super::agent::Observation;
 use super::connected::ConnectedMode;
-use super::energy::Energies;
 use super::plant::Halt;
-use super::record::{Record, Recording, Row, Status, TrialOutcome};
+use super::record::{Record, Recording, Status, TrialOutcome};
+use super::running::RunningTrial;
 use super::schedule::Schedule;
-use super::station::RunningStation;
 use super::{Agent, Laboratory};
-use crate::error::{InvalidInput, Result};
-use crate::quantity;
-use crate::session::{Endpoint, LocalTime, Motion};
+use crate::error::InvalidInput;
 
 /// An external agent: returns the force (N per axis) for its observation at a tick.
 pub type Callback<'a, E> = &'a mut dyn FnMut(&Observation) -> std::result::Result<[f64; 2], E>;
@@ -97,7 +88,7 @@ impl Trial<'_> {
         record: &mut Record<'_>,
         check_interrupt: InterruptCheck<'_, E>,
     ) -> std::result::Result<TrialOutcome, E> {
-        let Laboratory { stations: sides, target, controller, .. } = self.laboratory;
+        let Laboratory { stations: sides, controller, .. } = self.laboratory;
         let (ticks, stride) = (self.schedule.ticks(), self.schedule.stride());
         if let Some(coupling) = &self.coupling {
             coupling.check()?;
@@ -118,101 +109,33 @@ impl Trial<'_> {
             return Err(refusal.into());
         }
         let period = controller.sample_period;
-        let mut stations = self.start_stations()?;
+        let mut running = RunningTrial::start(self.laboratory, self.coupling, self.seed)?;
         let mut rows = 0;
-        let mut energies = Energies::default();
         for tick in 0..=ticks {
-            let time = tick as f64 * period;
-            let now = LocalTime::from_seconds(time);
-            let aim_here = target.at_tick(tick, period);
-            let shown = Motion { position: aim_here.position, velocity: aim_here.velocity };
-            // Also if the motion cannot be sent in a packet.
-            let diverged = Status::Diverged { at: time };
-            if stations.iter().any(RunningStation::has_diverged) {
-                return Ok(outcome(diverged, rows, energies, &stations));
-            }
-            if tick % TICKS_BETWEEN_CHECKS == 0 {
+            if tick % TICKS_BETWEEN_CHECKS == 0 && !running.has_diverged() {
                 check_interrupt()?;
             }
-            let measured = stations.each_ref().map(|station| station.robot.measure(controller));
-            for side in 0..2 {
-                if let Some(endpoint) = &mut stations[side].endpoint {
-                    if endpoint.handle_measurement(now, measured[side]).is_err() {
-                        return Ok(outcome(diverged, rows, energies, &stations));
-                    }
-                    endpoint.handle_target(now, shown);
-                    if let (Some(packet), Some(link)) =
-                        (endpoint.poll_transmit(now), &mut stations[1 - side].link)
-                    {
-                        link.send(now, packet);
-                    }
-                }
-            }
-            let (mut aim, mut acting) = (Row::default(), [ActingForces::default(); 2]);
-            for (side, station) in stations.iter_mut().enumerate() {
-                let seen = Observation {
-                    time,
-                    position: measured[side].position,
-                    velocity: measured[side].velocity,
-                    target: aim_here.position,
-                };
-                let hand;
-                (aim[side], hand) = match (&station.mover, &mut external[side]) {
-                    (AgentState::External, Some(program)) => {
-                        (aim_here.position, check_force(side, time, program(&seen)?)?)
-                    }
-                    _ => station.mover.aim_and_force(&seen, &aim_here),
-                };
-                let spring = station.spring_force(now, measured[side]);
-                acting[side] = station.robot.acting_forces(spring, hand, controller);
-            }
+            let held = match running.forces(&mut external)? {
+                Ok(held) => held,
+                Err(status) => return Ok(running.outcome(status, rows)),
+            };
             if tick % stride == 0 {
-                record.target[rows] = aim_here.position;
-                record.aim[rows] = aim;
-                for (side, station) in stations.iter().enumerate() {
-                    let ActingForces { robot, hand, .. } = acting[side];
-                    record.coupling_force[rows][side] = robot;
-                    record.agent_force[rows][side] = hand;
-                    record.position[rows][side] = station.robot.plant.position();
-                    record.velocity[rows][side] = station.robot.plant.velocity();
-                    record.handle_force[rows][side] = station.robot.plant.handle_force(robot, hand);
-                    record.account[rows][side] = station.balance();
-                    record.age[rows][side] = station.partner_age();
-                }
+                running.write(&held, record, rows);
                 rows += 1;
             }
             if tick == ticks {
                 break;
             }
-            let mut given = [[0.0; 2]; 2];
-            for ((station, acting), given) in stations.iter_mut().zip(&acting).zip(&mut given) {
-                match station.advance(acting, controller) {
-                    Ok(energy) => *given = energy,
-                    Err(halt) => {
-                        let at = (tick + 1) as f64 * period;
-                        let status = match halt {
-                            Halt::OutOfReach(_) => Status::OutOfReach { at },
-                            Halt::TooStiff { .. } => Status::TooStiff { at },
-                        };
-                        return Ok(outcome(status, rows, energies, &stations));
-                    }
-                }
+            if let Err(halt) = running.advance(&held) {
+                let at = (tick + 1) as f64 * period;
+                let status = match halt {
+                    Halt::OutOfReach(_) => Status::OutOfReach { at },
+                    Halt::TooStiff { .. } => Status::TooStiff { at },
+                };
+                return Ok(running.outcome(status, rows));
             }
-            energies.add(given);
         }
-        Ok(outcome(Status::Completed, rows, energies, &stations))
-    }
-}
-
-/// The outcome of a trial whose stations are at its end.
-fn outcome(status: Status, rows: usize, energies: Energies, stations: &[RunningStation; 2]) -> TrialOutcome {
-    let [first, second] = stations.each_ref().map(|station| station.endpoint.as_ref().map(Endpoint::report));
-    TrialOutcome {
-        status,
-        rows,
-        coupling_energy: energies.coupling,
-        hand_energy: energies.hands,
-        sessions: first.zip(second).map(|(first, second)| [first, second]),
+        Ok(running.outcome(Status::Completed, rows))
     }
 }
 
@@ -224,15 +147,4 @@ fn missing_agent(side: usize) -> InvalidInput {
         format!("agent {} is external and must be given", side + 1),
         "Give a function of time, position, velocity and target that returns the force.",
     )
-}
-
-/// Checks the force of an external agent in a trial.
-fn check_force(side: usize, time: f64, force: [f64; 2]) -> Result<[f64; 2]> {
-    for (axis, value) in force.into_iter().enumerate() {
-        quantity::FORCE.check("", value).map_err(|refusal| InvalidInput {
-            field: format!("agents[{side}] at {time} s, force[{axis}]"),
-            ..refusal
-        })?;
-    }
-    Ok(force)
 }

@@ -282,6 +282,11 @@ impl Study {
         self.operator_ranges.as_ref()
     }
 
+    /// What the study's sections of the operators say: the ranges of both hands, without the robots' own springs.
+    pub fn hands(&self) -> &[OperatorRange; 2] {
+        &self.hands
+    }
+
     /// Whether the study gives the stiffness of the spring; one that asks for limits does not.
     pub fn has_stiffness(&self) -> bool {
         self.stiffness.is_some()

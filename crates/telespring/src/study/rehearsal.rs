@@ -14,6 +14,10 @@ use crate::{quantity, rig};
 
 /// The axes of a rehearsal.
 const PLANE: [&str; 2] = ["x", "y"];
+/// What is refused otherwise.
+const NEEDS_AXES: &str =
+    "a rehearsal, or a live session, needs robots with exactly the two axes \"x\" and \"y\"";
+
 /// The values of the axes x and y.
 fn pair(values: &[f64]) -> [f64; 2] {
     [values[0], values[1]]
@@ -225,8 +229,8 @@ impl Study {
         Err(InvalidInput::new(
             "robot1.axes",
             format!("{:?}", self.dyad.axis_names()),
-            "a rehearsal needs robots with exactly the two axes \"x\" and \"y\"",
-            "Give both robots these axes to rehearse the study.",
+            NEEDS_AXES,
+            "Give both robots these axes. docs/your-robot.md says how a robot with one axis takes part.",
         ))
     }
 
@@ -251,10 +255,11 @@ impl Study {
             return Err(reader.reject_section(
                 section,
                 format!(
-                    "a rehearsal needs robots with exactly the two axes \"x\" and \"y\", but these have {:?}",
+                    "{NEEDS_AXES}, but these have {:?}",
                     self.dyad.axis_names()
                 ),
-                "Remove the section, or give both robots these axes.",
+                "Give both robots these axes, or remove the section for a study that is neither rehearsed nor run live. \
+                 docs/your-robot.md says how a robot with one axis takes part.",
             ));
         }
         let mut laboratory =

@@ -17,7 +17,7 @@ from telespring.show.screens.layout import fitting_table
 __all__ = ["check_screen", "live_outcome_screen"]
 
 #: Causes with which people leave a session.
-_ORDERLY = {"stop-requested", "partner-left"}
+_ORDERLY = {"stop-requested", "time-over", "partner-left"}
 
 
 def live_outcome_screen(console: Console, session: LiveSession) -> None:
@@ -111,10 +111,10 @@ _TROUBLES = {
     "path-lost",
     "path-refused",
     "path-withheld",
-    "ramping-out",
+    "force-ramping-out",
     "recording-broken",
 }
-_WANTED = {"pause-ordered", "consent-withdrawn", "partner"}
+_WANTED = {"pause-ordered", "consent-withdrawn", "partner", "partner-paused"}
 
 
 def _troubles(site: Line) -> list[str]:
@@ -122,7 +122,7 @@ def _troubles(site: Line) -> list[str]:
     counts: dict[str, int] = {}
     for event in site.get("events", []):
         if event.get("event") in _TROUBLES and event.get("cause") not in _WANTED:
-            text = describe_event(event)
+            text = describe_event({**event, "remedy": None})
             counts[text] = counts.get(text, 0) + 1
     if str(site.get("cause")) not in _ORDERLY and site.get("cause"):
         counts.setdefault(describe_cause(str(site["cause"])), 1)

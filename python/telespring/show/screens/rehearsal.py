@@ -85,12 +85,12 @@ def preflight_screen(console: Console, warnings: Iterable[PreflightWarning]) -> 
 
 
 @contextmanager
-def rehearsal_progress_bar(console: Console) -> Iterator[Callable[[int, int], None]]:
-    """Show a bar of finished trials; the block calls what it receives with their number and that of all."""
+def rehearsal_progress_bar(console: Console, things: str = "trials") -> Iterator[Callable[[int, int], None]]:
+    """Show a bar of finished things; the block calls what it receives with their number and that of all."""
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
     with Progress(
-        TextColumn("trials"),
+        TextColumn(things),
         BarColumn(),
         MofNCompleteColumn(),
         TimeRemainingColumn(),
@@ -98,15 +98,15 @@ def rehearsal_progress_bar(console: Console) -> Iterator[Callable[[int, int], No
         transient=True,
         disable=not console.is_terminal,
     ) as bar:
-        task = bar.add_task("trials", total=None)
+        task = bar.add_task(things, total=None)
         yield lambda finished, trials: bar.update(task, completed=finished, total=trials)
 
 
-def rehearsal_resume_sentence(finished: int, trials: int) -> str:
+def rehearsal_resume_sentence(finished: int, trials: int, things: str = "trials") -> str:
     """State what an interrupted rehearsal has kept."""
     if not finished:
-        return "No trial is finished yet."
-    return f"{finished} of {trials} trials are kept; run the same command again to resume."
+        return f"No {things[:-1]} is finished yet."
+    return f"{finished} of {trials} {things} are kept; run the same command again to resume."
 
 
 def rehearsal_outcome_screen(

@@ -13,10 +13,11 @@ use super::shared::{Shared, count};
 
 /// Handshakes at a time from addresses that are not the partner's, and from those that are.
 const HANDSHAKES: [usize; 2] = [8, 16];
-/// From this many on, a stranger's address has to answer before this site keeps anything about it.
+/// From this many on, an address has to answer before this site keeps anything about it.
 const UNPROVEN: usize = 2;
-/// Handshakes per second from addresses that are not the partner's, and how many of them may come at once.
-const STRANGERS: (f64, f64) = (10.0, 20.0);
+/// Handshakes per second that are answered, and how many of them may come at once: for strangers, and likewise for what says that
+/// it comes from an address of the partner, as long as it has not proven that.
+const RATE: (f64, f64) = (10.0, 20.0);
 /// How long a handshake may take.
 const HANDSHAKE: Duration = Duration::from_secs(5);
 
@@ -57,8 +58,12 @@ struct Bucket {
 }
 
 impl Bucket {
+    fn new(now: Instant) -> Self {
+        Self { left: RATE.1, since: now }
+    }
+
     fn take(&mut self, now: Instant) -> bool {
-        let (rate, most) = STRANGERS;
+        let (rate, most) = RATE;
         let passed = now.duration_since(self.since).as_secs_f64();
         self.since = now;
         self.left = (self.left + passed * rate).min(most);
@@ -70,6 +75,48 @@ impl Bucket {
     }
 }
 
+/// What becomes of somebody who dials.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Answer {
+    /// The handshake begins.
+    Welcome,
+    /// The address has to answer first. This site keeps nothing meanwhile; what it sends goes to the address that may be forged,
+    /// and is smaller than what came.
+    Prove,
+    /// Nothing is said.
+    Ignore,
+}
+
+/// Decides whose handshake begins.
+#[derive(Debug)]
+struct Door {
+    strangers: Bucket,
+    partners: Bucket,
+}
+
+impl Door {
+    fn new(now: Instant) -> Self {
+        Self { strangers: Bucket::new(now), partners: Bucket::new(now) }
+    }
+
+    /// `is_partner`: it comes from an address of the partner, or says so; `is_proven`: the address has answered; `running`:
+    /// handshakes now.
+    fn answer(&mut self, now: Instant, is_partner: bool, is_proven: bool, running: usize) -> Answer {
+        if running >= HANDSHAKES[usize::from(is_partner)] {
+            return Answer::Ignore;
+        }
+        let is_crowded = running >= UNPROVEN;
+        match (is_partner, is_proven) {
+            // whoever floods in the partner's name must not keep the partner out
+            (true, true) => Answer::Welcome,
+            (true, false) if is_crowded || !self.partners.take(now) => Answer::Prove,
+            (false, _) if !self.strangers.take(now) => Answer::Ignore,
+            (false, false) if is_crowded => Answer::Prove,
+            _ => Answer::Welcome,
+        }
+    }
+}
+
 /// Answers who dials, as long as the site lives. Connections that are let in go to `established`.
 pub(super) async fn accept(
     endpoint: Endpoint,
@@ -78,24 +125,24 @@ pub(super) async fn accept(
     established: Sender<Connection>,
 ) {
     let mut handshakes = JoinSet::new();
-    let mut bucket = Bucket { left: STRANGERS.1, since: Instant::now() };
+    let mut door = Door::new(Instant::now());
     loop {
         tokio::select! {
             incoming = endpoint.accept() => {
                 let Some(incoming) = incoming else { return };
                 let is_partner = matches!(incoming.remote_addr(), IncomingAddr::Ip(address) if partners.contains(&address));
-                let running = handshakes.len();
-                let is_welcome = running < HANDSHAKES[usize::from(is_partner)]
-                    && (is_partner || bucket.take(Instant::now()));
-                if !is_welcome {
-                    count(&shared.refused, 1);
-                    incoming.ignore();
-                } else if !is_partner && running >= UNPROVEN && !incoming.remote_addr_validated() {
-                    // costs this site nothing to remember; it goes to the address that may be forged, and is smaller
-                    // than what came
-                    let _ = incoming.retry();
-                } else {
-                    handshakes.spawn(shake(incoming, established.clone()));
+                let is_proven = incoming.remote_addr_validated();
+                match door.answer(Instant::now(), is_partner, is_proven, handshakes.len()) {
+                    Answer::Welcome => {
+                        handshakes.spawn(shake(incoming, established.clone()));
+                    }
+                    Answer::Prove => {
+                        let _ = incoming.retry();
+                    }
+                    Answer::Ignore => {
+                        count(&shared.refused, 1);
+                        incoming.ignore();
+                    }
                 }
             }
             Some(_) = handshakes.join_next() => {}
@@ -118,10 +165,34 @@ mod tests {
     #[test]
     fn law_strangers_come_at_a_bounded_rate() {
         let start = Instant::now();
-        let mut bucket = Bucket { left: STRANGERS.1, since: start };
-        let let_in =
-            (0..10_000_u32).filter(|number| bucket.take(start + *number * Duration::from_millis(1))).count();
+        let mut door = Door::new(start);
+        let answers = (0..10_000_u32).map(|number| start + number * Duration::from_millis(1));
+        let let_in = answers.filter(|now| door.answer(*now, false, false, 0) == Answer::Welcome).count();
         // 20 at once and 10 per second
         assert!((115..=121).contains(&let_in), "{let_in}");
+        let later = start + Duration::from_secs(20);
+        assert_eq!(door.answer(later, false, false, UNPROVEN), Answer::Prove);
+        assert_eq!(door.answer(later, false, true, UNPROVEN), Answer::Welcome);
+        assert_eq!(door.answer(later, false, true, HANDSHAKES[0]), Answer::Ignore);
+    }
+
+    #[test]
+    fn law_who_floods_in_the_partners_name_must_prove_it_and_does_not_keep_the_partner_out() {
+        let start = Instant::now();
+        let mut door = Door::new(start);
+        let forged: Vec<Answer> = (0..10_000_u32)
+            .map(|number| door.answer(start + number * Duration::from_millis(1), true, false, 0))
+            .collect();
+        let welcome = forged.iter().filter(|answer| **answer == Answer::Welcome).count();
+        assert!((115..=121).contains(&welcome), "{welcome}");
+        assert!(!forged.contains(&Answer::Ignore));
+        // an address that answers is the partner's
+        let end = start + Duration::from_secs(10);
+        assert_eq!(door.answer(end, true, true, HANDSHAKES[1] - 1), Answer::Welcome);
+        // strangers do not use up what is the partner's, nor the other way round
+        assert_eq!(door.answer(end, false, false, 0), Answer::Welcome);
+        // many at a time are as many that must prove it
+        assert_eq!(door.answer(end + Duration::from_secs(10), true, false, UNPROVEN), Answer::Prove);
+        assert_eq!(door.answer(end, true, true, HANDSHAKES[1]), Answer::Ignore);
     }
 }

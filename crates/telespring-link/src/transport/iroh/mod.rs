@@ -4,6 +4,7 @@
 //! lock and allocates nothing. That thread owns the endpoint and everything of tokio. `docs/network.md` says what goes where.
 
 mod admission;
+mod authority;
 mod bell;
 mod links;
 mod network;
@@ -25,11 +26,12 @@ use telespring::session::LocalTime;
 
 use super::{PathEvent, ROOM, Transport, TransportReport};
 use crate::keys::{SiteId, SiteKey};
+pub use authority::Authority;
 use bell::Bell;
 pub use network::ALPN;
 use network::Ends;
 use packet::{INBOX, Inbox, OUTBOX, Packet};
-use shared::{Shared, Told};
+use shared::{Shared, Told, Way};
 
 /// Who this site is, who the partner is, and where both are.
 #[derive(Debug, Clone)]
@@ -44,6 +46,8 @@ pub struct IrohSettings {
     pub local: Vec<SocketAddr>,
     /// A relay of one's own, to find a way through two firewalls.
     pub relay: Option<RelayUrl>,
+    /// The authority of the relay's certificate; `None`: one on Mozilla's list.
+    pub relay_authority: Option<Authority>,
     /// Whether datagrams may take the way over the relay for good.
     pub relayed: bool,
     /// The real-time priority of the thread of the network: less than the loop's. `None` for an ordinary thread.
@@ -62,6 +66,8 @@ pub struct Iroh {
     turn: u64,
     thinned: u64,
     unsent: u64,
+    /// The thread of the network is gone.
+    is_broken: bool,
     local: Vec<SocketAddr>,
     thread: Option<JoinHandle<()>>,
 }
@@ -99,6 +105,7 @@ impl Iroh {
             turn: 0,
             thinned: 0,
             unsent: 0,
+            is_broken: false,
             local,
             thread: Some(thread),
         })
@@ -136,6 +143,11 @@ impl Transport for Iroh {
     }
 
     fn poll_path(&mut self) -> Option<PathEvent> {
+        if self.outbox.is_abandoned() && !self.is_broken {
+            // the thread of the network has broken off: nothing comes or goes any more
+            self.is_broken = true;
+            self.shared.set_way(Way::None);
+        }
         self.told.news(&self.shared)
     }
 
@@ -159,18 +171,40 @@ impl Drop for Iroh {
 mod tests {
     use super::*;
 
-    #[test]
-    fn law_packets_are_left_out_evenly() {
-        let mut site = Iroh::new(&IrohSettings {
+    fn site() -> Iroh {
+        Iroh::new(&IrohSettings {
             key: SiteKey::generate(),
             peer_ids: vec![SiteKey::generate().id()],
             peers: Vec::new(),
             local: vec![SocketAddr::from(([127, 0, 0, 1], 0))],
             relay: None,
+            relay_authority: None,
             relayed: false,
             priority: None,
         })
-        .unwrap();
+        .unwrap()
+    }
+
+    #[test]
+    fn law_a_network_that_breaks_off_is_told_once() {
+        let mut site = site();
+        site.shared.set_way(Way::Direct);
+        assert_eq!(site.poll_path(), Some(PathEvent::Direct));
+        // the thread ends, whatever for
+        site.shared.stop.store(true, Relaxed);
+        site.bell.ring();
+        let start = std::time::Instant::now();
+        let told = std::iter::repeat_with(|| site.poll_path()).find(|told| {
+            std::thread::sleep(std::time::Duration::from_millis(1));
+            told.is_some() || start.elapsed().as_secs() > 30
+        });
+        assert_eq!(told, Some(Some(PathEvent::Lost)));
+        assert_eq!(site.poll_path(), None);
+    }
+
+    #[test]
+    fn law_packets_are_left_out_evenly() {
+        let mut site = site();
         for every in [1, 2, 4] {
             site.shared.set_every(every);
             let due: Vec<bool> = (0..100).map(|_| site.is_due()).collect();

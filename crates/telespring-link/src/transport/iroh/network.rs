@@ -16,6 +16,7 @@ use tokio::time::MissedTickBehavior;
 
 use super::IrohSettings;
 use super::admission::{AllowList, accept};
+use super::authority::Authority;
 use super::bell::{Bell, Ear};
 use super::links::Links;
 use super::packet::{Inbox, Packet};
@@ -103,6 +104,7 @@ async fn bind(settings: &IrohSettings, shared: &Arc<Shared>) -> Result<Endpoint,
         // no tickets, so no 0-RTT, which could be replayed
         .max_tls_tickets(0)
         .relay_mode(relays)
+        .ca_tls_config(Authority::tls(settings.relay_authority.as_ref()))
         .clear_ip_transports();
     for local in &settings.local {
         builder = builder.bind_addr(*local).map_err(|error| error.to_string())?;
@@ -113,7 +115,8 @@ async fn bind(settings: &IrohSettings, shared: &Arc<Shared>) -> Result<Endpoint,
 /// Dials, answers and forwards until the loop's side is dropped.
 async fn live(settings: &IrohSettings, endpoint: &Endpoint, ear: Ear, ends: Ends) {
     let Ends { mut outbox, inbox, bell: _, shared } = ends;
-    let links = Links::new(endpoint.id(), inbox, Arc::clone(&shared));
+    let mut supervisor = Supervisor::new(settings, Arc::clone(&shared));
+    let links = Links::new(endpoint.id(), inbox, Arc::clone(&shared), supervisor.is_any_way_allowed);
     let (established, mut arrived) = mpsc::channel(4);
     let answering = tokio::task::spawn_local(accept(
         endpoint.clone(),
@@ -123,7 +126,6 @@ async fn live(settings: &IrohSettings, endpoint: &Endpoint, ear: Ear, ends: Ends
     ));
     let dialling =
         tokio::task::spawn_local(dial(endpoint.clone(), settings.clone(), Rc::clone(&links), established));
-    let mut supervisor = Supervisor::new(settings, Arc::clone(&shared));
     let mut look = tokio::time::interval(LOOK);
     look.set_missed_tick_behavior(MissedTickBehavior::Delay);
     loop {
@@ -217,13 +219,13 @@ async fn alive(links: &Links) {
 
 /// Watches the path: which way it goes, what gets lost on it, how long it takes.
 struct Supervisor {
-    has_relay: bool,
-    is_relayed_allowed: bool,
+    /// There is no relay, or datagrams may go over it.
+    is_any_way_allowed: bool,
     shared: Arc<Shared>,
     start: Instant,
     rate: RateCap,
-    /// The path in use: connection, address, kind.
-    path: Option<(usize, TransportAddr, Way)>,
+    /// The path in use: number of the connection, address, kind.
+    path: Option<(u64, TransportAddr, Way)>,
     /// What it had counted at the last look.
     counted: Outcome,
 }
@@ -231,8 +233,7 @@ struct Supervisor {
 impl Supervisor {
     fn new(settings: &IrohSettings, shared: Arc<Shared>) -> Self {
         Self {
-            has_relay: settings.relay.is_some(),
-            is_relayed_allowed: settings.relayed,
+            is_any_way_allowed: settings.relay.is_none() || settings.relayed,
             shared,
             start: Instant::now(),
             rate: RateCap::default(),
@@ -243,7 +244,7 @@ impl Supervisor {
 
     /// Whether a datagram that is sent now takes a way that this site allows.
     fn may_send(&self, connection: &Connection) -> bool {
-        !self.has_relay || self.is_relayed_allowed || self.way(connection) == Way::Direct
+        self.is_any_way_allowed || self.way(connection) == Way::Direct
     }
 
     /// The way that a datagram would take now.
@@ -255,7 +256,7 @@ impl Supervisor {
         } else {
             !paths.is_empty() && paths.iter().all(|path| path.is_ip())
         };
-        match (is_direct, self.is_relayed_allowed) {
+        match (is_direct, self.is_any_way_allowed) {
             (true, _) => Way::Direct,
             (false, true) => Way::Relayed,
             (false, false) => Way::Withheld,
@@ -268,11 +269,13 @@ impl Supervisor {
         let path = connection.as_ref().and_then(|connection| {
             let paths = connection.paths();
             let path = paths.iter().find(|path| path.is_selected()).or_else(|| paths.iter().next())?;
-            let key = (connection.stable_id(), path.remote_addr().clone(), self.way(connection));
+            let key = (links.current_number(), path.remote_addr().clone(), self.way(connection));
             Some((key, path.stats()))
         });
         let (path, stats) = path.map_or((None, None), |(path, stats)| (Some(path), Some(stats)));
-        links.set_open(path.as_ref().is_none_or(|(_, _, way)| *way != Way::Withheld));
+        // what comes does not say which way it took: without a direct one it may have come over the relay
+        let is_direct = path.as_ref().is_some_and(|(_, _, way)| *way == Way::Direct);
+        links.set_open(self.is_any_way_allowed || is_direct);
         self.shared.set_round_trip(stats.as_ref().map(|stats| stats.rtt));
         if path != self.path {
             self.shared.set_way(path.as_ref().map_or(Way::None, |(_, _, way)| *way));

@@ -75,4 +75,5 @@ SECTION = Section(
     step="hypotheses on Table I",
     find=find_calibration,
     start=start_calibration,
+    is_long=True,
 )

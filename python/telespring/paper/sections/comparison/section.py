@@ -77,6 +77,7 @@ SECTION = Section(
     title="What takes the cost of the delay away",
     step="strategies compared",
     find=find_comparison,
+    is_long=True,
 )
 
 

@@ -97,6 +97,7 @@ SECTION = Section(
         Place("Table I", "table1"),
     ),
     mentions=("calibration",),
+    is_long=True,
 )
 
 

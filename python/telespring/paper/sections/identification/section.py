@@ -48,4 +48,5 @@ SECTION = Section(
     find=find_identification,
     holds=(Place("Fig. 9", "figure-excitation"), Place("Fig. 10", "figure-regression")),
     mentions=("laboratory",),
+    is_long=True,
 )

@@ -1,0 +1,1 @@
+"""The interactive page: opened by the command `explore`, and shown in notebooks."""

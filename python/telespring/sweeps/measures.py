@@ -1,0 +1,204 @@
+"""What a sweep keeps of a point and of a trial: numbers, in the order of its rows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from telespring._core import Experiment, Recording, Study, Verdicts
+from telespring._types import FloatArray, Tier
+from telespring.decision.question import Question, is_stable
+from telespring.rehearsal.encoding import REPORTS, SIDE_REPORTS, STATUSES, Report
+from telespring.rehearsal.traces import RecordedTraces
+from telespring.sweeps.plan import SweepPlan
+
+__all__ = ["TIERS", "Variable", "point_row", "point_variables", "split_row", "trial_row", "trial_variables"]
+
+#: What the network may do, from the strictest to the mildest.
+TIERS: tuple[Tier, ...] = (
+    "any network",
+    "bounded varying delay",
+    "age in a range",
+    "any constant delay",
+    "constant delay",
+)
+
+
+@dataclass(frozen=True)
+class Variable:
+    """Some numbers of a row, and the variable of the dataset that they become.
+
+    Attributes
+    ----------
+    name, units, long_name
+        Of the variable.
+    dimensions, shape
+        Beyond those of the points, or of the trials.
+    """
+
+    name: str
+    units: str
+    long_name: str
+    dimensions: tuple[str, ...] = ()
+    shape: tuple[int, ...] = ()
+
+    @property
+    def size(self) -> int:
+        """Numbers in a row."""
+        return int(np.prod(self.shape, dtype=int))
+
+
+def _of_trial(report: Report) -> Variable:
+    return Variable(report.name, report.units, report.long_name)
+
+
+def _of_robot(report: Report) -> Variable:
+    return Variable(report.name, report.units, report.long_name, ("robot",), (2,))
+
+
+#: Of a trial that was not completed the measures are NaN.
+_TRIAL = (
+    Variable(
+        "status", "1", f"how the trial ended: {', '.join(f'{i} {word}' for i, word in enumerate(STATUSES))}"
+    ),
+    Variable("ended_at", "s", "time at which the trial ended early; NaN if it was completed"),
+    Variable(
+        "guard_spare",
+        "J",
+        "what the guards of both sides could still have given out at the end, by the law that they promise: "
+        "what both accounts held at the start and the share of what the robots' damping took, less what the "
+        "coupling gave out; NaN without a guard",
+    ),
+    *(_of_trial(report) for report in REPORTS),
+    Variable("tracking_error", "m", "mean distance to the target (Eq. 15)", ("robot",), (2,)),
+    Variable("interaction_force_rms", "N", "root mean square of the coupling force", ("robot",), (2,)),
+    Variable("interaction_force_peak", "N", "largest coupling force", ("robot",), (2,)),
+    *(_of_robot(report) for report in SIDE_REPORTS),
+)
+
+
+def trial_variables() -> tuple[Variable, ...]:
+    """List what is kept of every trial."""
+    return _TRIAL
+
+
+def trial_row(recording: Recording, experiment: Experiment, study: Study) -> FloatArray:
+    """Measure a trial."""
+    force = np.hypot(*np.moveaxis(recording.coupling_force, -1, 0))
+    error = np.hypot(*np.moveaxis(recording.position - recording.target[:, None], -1, 0))
+    # A millionth of a sample for rounding, as the analysis of trials has it.
+    analysed = recording.time >= experiment.discard - 1e-6 / experiment.record_rate
+    measures = np.full((3, 2), np.nan)
+    if recording.status == "completed":
+        force, error = force[analysed], error[analysed]
+        measures = np.stack([error.mean(axis=0), np.sqrt((force**2).mean(axis=0)), force.max(axis=0)])
+    return np.concatenate(
+        [
+            [
+                float(STATUSES.index(recording.status)),
+                np.nan if recording.ended_at is None else recording.ended_at,
+                _guard_spare(recording, experiment, study),
+                *(getattr(recording, report.name) for report in REPORTS),
+            ],
+            measures.reshape(-1),
+            *(getattr(recording, report.name) for report in SIDE_REPORTS),
+        ]
+    )
+
+
+def _guard_spare(recording: Recording, experiment: Experiment, study: Study) -> float:
+    """Compute what the guards could still have given out, J; below 0 their law is broken.
+
+    The law is that of docs/guard.md, both sides together: what a side takes in the other has sent. A partner
+    that lies about it adds what the intake lets through.
+    """
+    settings = study.session.guard_settings
+    if settings is None or recording.status != "completed":
+        return float("nan")
+    share, capacity, intake = settings
+    damping = np.array([robot.damping for robot in study.dyad.robots])
+    power = (damping * recording.velocity**2).sum(axis=(-2, -1))
+    taken = float(np.trapezoid(power, recording.time))
+    lied = sum(each is not None and each.kind == "lying-peer" for each in study.adversaries)
+    return 2.0 * capacity + share * taken + lied * intake * experiment.duration + recording.coupling_energy
+
+
+def point_variables(plan: SweepPlan, axes: int) -> tuple[Variable, ...]:
+    """List what is kept of every point."""
+    condition, conditions = ("condition",), (plan.conditions,)
+    tiers, by_tier = (*condition, "tier"), (*conditions, len(TIERS))
+    robots, by_axis = ("robot", "axis"), (2, axes)
+    return (
+        Variable(
+            "condition_stiffness",
+            "N/m",
+            "stiffness of the virtual spring; NaN: unconnected",
+            condition,
+            conditions,
+        ),
+        Variable("condition_delay", "s", "one-way delay, each way", condition, conditions),
+        Variable(
+            "stable",
+            "1",
+            "1 if the bare spring is stable at this stiffness and constant delay, otherwise 0",
+            condition,
+            conditions,
+        ),
+        Variable(
+            "paper_critical_stiffness", "N/m", "the paper's critical stiffness (Eq. 5)", condition, conditions
+        ),
+        Variable("stiffness_bound", "N/m", "stiffness up to which the verdict holds", tiers, by_tier),
+        Variable("satisfied", "1", "1 if the stiffness is within that bound, otherwise 0", tiers, by_tier),
+        Variable("robot_mass", "kg", "mass of the robot", robots, by_axis),
+        Variable("robot_damping", "N*s/m", "damping of the robot", robots, by_axis),
+    )
+
+
+def point_row(study: Study, traces: RecordedTraces, plan: SweepPlan) -> FloatArray:
+    """Judge the bare spring at all conditions of a point."""
+    conditions: list[tuple[float | None, float | None]] = [(study.stiffness, None)]
+    if plan.trials:
+        experiment = study.experiment
+        assert experiment is not None  # the plan has trials
+        conditions = [(condition.stiffness, condition.delay) for condition in experiment.conditions]
+    judged = [
+        None if k is None else Question.of_study(study, delay=delay, traces=traces.texts).judge(k)
+        for k, delay in conditions
+    ]
+    mean = 0.5 * sum(study.delay) if not plan.trials else np.nan
+    robots = study.dyad.robots
+    parts = [
+        [np.nan if k is None else k for k, _ in conditions],
+        [mean if delay is None else delay for _, delay in conditions],
+        [np.nan if each is None else float(is_stable(each)) for each in judged],
+        [np.nan if each is None else each.paper.critical_stiffness for each in judged],
+        [value for each in judged for value in _bounds(each)],
+        [value for each in judged for value in _satisfied(each)],
+        np.array([robot.mass for robot in robots]).reshape(-1),
+        np.array([robot.damping for robot in robots]).reshape(-1),
+    ]
+    return np.concatenate([np.asarray(part, dtype=np.float64) for part in parts])
+
+
+def _bounds(judged: Verdicts | None) -> list[float]:
+    if judged is None:
+        return [np.nan] * len(TIERS)
+    bounds = [judged.tier(name).stiffness_bound for name in TIERS]
+    return [np.nan if bound is None else bound for bound in bounds]
+
+
+def _satisfied(judged: Verdicts | None) -> list[float]:
+    if judged is None:
+        return [np.nan] * len(TIERS)
+    return [float(judged.tier(name).satisfied) for name in TIERS]
+
+
+def split_row(values: FloatArray, variables: tuple[Variable, ...]) -> Iterator[tuple[Variable, FloatArray]]:
+    """Yield each variable with its numbers, (row, …), of rows (row, number)."""
+    start = 0
+    for variable in variables:
+        end = start + variable.size
+        yield variable, values[:, start:end].reshape(-1, *variable.shape)
+        start = end

@@ -1,0 +1,128 @@
+"""A sweep in a few numbers: for each value of each key, how the points and trials came out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from telespring._json import json_ready
+from telespring._types import FloatArray
+from telespring.rehearsal.encoding import STATUSES
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["SweepRow", "SweepSummary", "summarise_sweep"]
+
+#: J, and the share of what the guard holds back; the integral over recorded samples is not more exact.
+_SPARE_ERROR = 1e-3
+
+
+@dataclass(frozen=True)
+class SweepRow:
+    """All points of a sweep, or those with one value of one key.
+
+    Attributes
+    ----------
+    value
+        The value, a number or a word; None for all points.
+    stable_share
+        Share of the connected conditions at which the bare spring is stable; None without any.
+    trials
+        Number of trials.
+    early_ends
+        How many of them ended early, by status.
+    tracking_error
+        Mean of both robots over completed trials, m; None without any.
+    limited_share
+        Mean share of the ticks at which the strategy changed the spring's force; None without any.
+    guard_broken
+        Trials in which the guards gave out more than their law allows; None without a guard.
+    """
+
+    value: float | str | None
+    stable_share: float | None
+    trials: int
+    early_ends: Mapping[str, int]
+    tracking_error: float | None
+    limited_share: float | None
+    guard_broken: int | None
+
+
+@dataclass(frozen=True)
+class SweepSummary:
+    """A sweep in a few numbers.
+
+    Attributes
+    ----------
+    name
+        Of the study.
+    points
+        Number of points.
+    whole
+        Over all points.
+    keys
+        For each key a row per value.
+    """
+
+    name: str
+    points: int
+    whole: SweepRow
+    keys: Mapping[str, tuple[SweepRow, ...]]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return it as `json.dumps` takes it."""
+        rows = {key: [vars(row) for row in rows] for key, rows in self.keys.items()}
+        found = {"name": self.name, "points": self.points, "all": vars(self.whole), "keys": rows}
+        return dict(json_ready(found))
+
+
+def summarise_sweep(dataset: xr.Dataset, trials: int) -> SweepSummary:
+    """Summarise the dataset of a sweep, with so many trials of each condition."""
+    shape = dict(dataset["robot_mass"].sizes)
+    keys = [str(name) for name in dataset["robot_mass"].dims if name not in ("robot", "axis", "draw")]
+    return SweepSummary(
+        name=str(dataset.attrs["name"]),
+        points=int(np.prod([length for name, length in shape.items() if name not in ("robot", "axis")])),
+        whole=_row(None, dataset, trials),
+        keys={
+            key: tuple(
+                _row(_plain(value), dataset.isel({key: place}), trials)
+                for place, value in enumerate(dataset[key].values)
+            )
+            for key in keys
+        },
+    )
+
+
+def _plain(value: Any) -> float | str:
+    return float(value) if isinstance(value, np.number) else str(value)
+
+
+def _row(value: float | str | None, part: xr.Dataset, trials: int) -> SweepRow:
+    if not trials:
+        return SweepRow(value, _mean(part["stable"].values), 0, {}, None, None, None)
+    status = part["status"].values
+    spare = part["guard_spare"].values
+    return SweepRow(
+        value=value,
+        stable_share=_mean(part["stable"].values),
+        trials=int(status.size),
+        early_ends={
+            word: count
+            for number, word in enumerate(STATUSES)
+            if number and (count := int(np.count_nonzero(status == number)))
+        },
+        tracking_error=_mean(part["tracking_error"].values),
+        limited_share=_mean(part["limited_share"].values),
+        guard_broken=int(np.count_nonzero(spare < -_SPARE_ERROR)) if np.isfinite(spare).any() else None,
+    )
+
+
+def _mean(values: FloatArray) -> float | None:
+    """Average what is finite; None where nothing is."""
+    finite = values[np.isfinite(values)]
+    return float(finite.mean()) if finite.size else None

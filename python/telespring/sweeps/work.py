@@ -1,0 +1,123 @@
+"""The points and trials of a sweep as work that any thread, process or machine can do."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache, lru_cache
+from pathlib import Path
+from threading import Lock
+
+import numpy as np
+
+from telespring._core import Study
+from telespring._errors import InvalidInput
+from telespring._types import FloatArray
+from telespring.rehearsal.identity import core_version
+from telespring.rehearsal.traces import read_traces
+from telespring.rehearsal.user_code import load_user_code
+from telespring.rehearsal.work import TrialRunner, prepare_runner
+from telespring.sweeps.measures import point_row, trial_row
+from telespring.sweeps.plan import SweepPlan
+from telespring.sweeps.store import SweepIdentity
+
+__all__ = ["SweepWork", "identify_sweep", "measure_points", "measure_trials"]
+
+#: Sections of a study that name files beside it.
+_NAMING = ("network", "agent1", "agent2", "task")
+
+
+@dataclass(frozen=True)
+class SweepWork:
+    """What a worker needs to know of a sweep.
+
+    Attributes
+    ----------
+    plan
+        What is computed.
+    modules
+        Folder in which agents, targets and traces are looked up first; None for that of the process.
+    fingerprint
+        Of the sweep, which a worker compares with its own.
+    """
+
+    plan: SweepPlan
+    modules: str | None
+    fingerprint: str
+
+    @property
+    def folder(self) -> Path | None:
+        """The folder in which agents, targets and traces are looked up first."""
+        return None if self.modules is None else Path(self.modules)
+
+
+def identify_sweep(plan: SweepPlan, modules: Path | None) -> SweepIdentity:
+    """Return all that the numbers of a sweep depend on."""
+    studies = [plan.study]
+    if any(each.key.partition(".")[0] in _NAMING for each in plan.over):
+        studies += list(plan.values_by_themselves())
+    programs: dict[str, dict[str, str]] = {}
+    for study in studies:
+        for place, file in _provenance(study, modules, has_trials=plan.trials > 0).items():
+            programs[f"{place} {file['name']}"] = file
+    return SweepIdentity(
+        name=plan.study.name,
+        study=plan.study.to_toml(),
+        over=[[each.key, list(each.values)] for each in plan.over],
+        draws=plan.draws,
+        seed=plan.seed,
+        conditions=plan.conditions,
+        trials=plan.trials,
+        programs=programs,
+        version=core_version(),
+    )
+
+
+def _provenance(study: Study, modules: Path | None, *, has_trials: bool) -> dict[str, dict[str, str]]:
+    found = read_traces(study, modules).provenance()
+    if has_trials and study.experiment is not None:
+        found |= load_user_code(study.experiment, modules).provenance()
+    return found
+
+
+#: A worker may have several threads, and user code is loaded by one at a time.
+_LOADING = Lock()
+
+
+@cache
+def _check(work: SweepWork) -> None:
+    """Refuse to work where another build or other files would give other numbers."""
+    if identify_sweep(work.plan, work.folder).fingerprint != work.fingerprint:
+        raise InvalidInput(
+            "executor",
+            core_version(),
+            "every worker needs the same build of telespring and the same files beside the study",
+            "Install the same wheel everywhere, and start the workers again after a file has changed.",
+        )
+
+
+@lru_cache(maxsize=8)
+def _runner_at(work: SweepWork, point: int) -> TrialRunner:
+    return prepare_runner(work.plan.study_at(point), work.folder)
+
+
+def measure_points(work: SweepWork, points: tuple[int, ...]) -> tuple[tuple[int, ...], FloatArray]:
+    """Judge some points: their numbers, and a row for each."""
+    with _LOADING:
+        _check(work)
+    rows = []
+    for point in points:
+        study = work.plan.study_at(point)
+        rows.append(point_row(study, read_traces(study, work.folder), work.plan))
+    return points, np.array(rows)
+
+
+def measure_trials(work: SweepWork, units: tuple[int, ...]) -> tuple[tuple[int, ...], FloatArray]:
+    """Run some trials: their numbers, and a row for each."""
+    rows = []
+    for unit in units:
+        with _LOADING:
+            _check(work)
+            runner = _runner_at(work, work.plan.point_of(unit))
+        recording = runner.record(work.plan.scheduled(unit, runner.experiment))
+        rows.append(trial_row(recording, runner.experiment, runner.study))
+    return units, np.array(rows)

@@ -1,0 +1,149 @@
+"""Shares of a rehearsal, a comparison and a sweep: put together they are what one machine makes."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import telespring as ts
+from resuming import interrupted_after
+from short_rehearsal import study_text
+from short_sweep import OVER, command, guarded
+from telespring.comparison.shares import run_comparison_share
+from telespring.rehearsal.shards import Shard, read_shard
+from telespring.sweeps.merging import share_progress
+
+COMPARED = {"stiffness": [71.2], "delay": [0.084], "trials": 2, "duration": 3.0, "discard": 1.0}
+
+
+def _rehearse(folder: Path, shard: Shard | None) -> Any:
+    study = ts.Study.from_toml(study_text())
+    return ts.rehearse(study, folder) if shard is None else ts.rehearse(study, folder, shard=shard)
+
+
+def _sweep(folder: Path, shard: Shard | None) -> Any:
+    draws: Any = {"draws": 2, "quick": True}
+    study = guarded()
+    return (
+        ts.sweep(study, folder, OVER, **draws)
+        if shard is None
+        else ts.sweep(study, folder, OVER, shard=shard, **draws)
+    )
+
+
+def _compare(folder: Path, shard: Shard | None) -> Any:
+    study = ts.Study.paper().replace(protocol=COMPARED)
+    if shard is None:
+        return ts.compare(study, folder, quick=True)
+    return run_comparison_share(study, folder, shard, quick=True)
+
+
+WORK: list[Any] = [
+    pytest.param(_rehearse, 3, "rehearsal.nc", id="rehearse"),
+    pytest.param(_sweep, 2, "sweep.nc", id="sweep"),
+    pytest.param(_compare, 2, "comparison.nc", id="compare"),
+]
+
+
+@pytest.mark.parametrize(("run", "count", "name"), WORK)
+def test_law_shares_put_together_are_the_bytes_of_one_machine(
+    run: Callable[[Path, Shard | None], Any], count: int, name: str, tmp_path: Path
+) -> None:
+    whole, shared = tmp_path / "whole", tmp_path / "shared"
+    expected = run(whole, None)
+    # the last one first, and its folder moved as from another machine
+    for index in range(count, 0, -1):
+        run(shared, Shard(index, count))
+    away = tmp_path / "away"
+    (shared / f"shard-1-of-{count}").rename(away)
+    found = ts.merge_shards([shared, away], shared)
+    if isinstance(expected, ts.Comparison):
+        assert isinstance(found, ts.Comparison)
+        assert found.dataset.identical(expected.dataset)
+        assert found.recommended == expected.recommended
+    else:
+        assert not isinstance(found, ts.Comparison)
+        assert found.identical(expected)
+    assert (shared / name).read_bytes() == (whole / name).read_bytes()
+    # once more: it is complete
+    assert ts.merge_shards([shared, away], shared) is not None
+
+
+@pytest.mark.parametrize(("run", "count", "name"), WORK)
+def test_law_a_missing_share_is_named(
+    run: Callable[[Path, Shard | None], Any], count: int, name: str, tmp_path: Path
+) -> None:
+    run(tmp_path, Shard(1, count))
+    with pytest.raises(ts.InvalidInput, match=f"shard = .*{count}/{count}.* are missing"):
+        ts.merge_shards(tmp_path)
+    assert not (tmp_path / name).exists()
+
+
+def test_law_a_share_of_another_study_is_refused(tmp_path: Path) -> None:
+    _rehearse(tmp_path, Shard(1, 2))
+    other = ts.Study.from_toml(study_text().replace("seed = 3", "seed = 4"))
+    ts.rehearse(other, tmp_path, shard=(2, 2))
+    with pytest.raises(ts.InvalidInput, match="shares of one study"):
+        ts.merge_shards(tmp_path)
+
+
+def test_law_a_share_goes_on_where_it_was_stopped(tmp_path: Path) -> None:
+    study = ts.Study.from_toml(study_text())
+    with pytest.raises(KeyboardInterrupt):
+        ts.rehearse(study, tmp_path, interrupted_after(2), workers=1, shard="1/2")
+    [there] = share_progress([tmp_path])
+    assert (there.finished, there.facts.trials) == (2, 5)
+    told: list[int] = []
+    ts.rehearse(study, tmp_path, lambda done, _: told.append(done), shard="1/2")
+    assert told == [2, 3, 4, 5]
+
+
+def test_law_shares_are_the_whole_without_overlap() -> None:
+    items = list(range(17))
+    for count in (1, 2, 5, 17, 30):
+        shares = [Shard(index + 1, count).select(items) for index in range(count)]
+        assert sorted(item for share in shares for item in share) == items
+        assert max(map(len, shares)) - min(map(len, shares)) <= 1
+
+
+@pytest.mark.parametrize("value", ["0/2", "3/2", "1", "a/b", (0, 1), (2, 1), (1, 2, 3), "1/1000000"])
+def test_law_a_share_that_is_none_is_refused(value: Any) -> None:
+    with pytest.raises(ts.InvalidInput, match="number of this share"):
+        read_shard(value)
+
+
+def test_law_merge_looks_at_what_it_is_given(tmp_path: Path) -> None:
+    file = tmp_path / "study.toml"
+    file.write_text(study_text(), encoding="utf-8")
+    out = tmp_path / "out"
+    for index in (1, 2):
+        done = command("rehearse", file, "--out", out, "--shard", f"{index}/2")
+        assert done.exit_code == 0, done.output
+        assert f"telespring merge {out}" in done.output.replace("\n", "")
+        if index == 1:
+            said = command("merge", out, "--progress").output
+            assert "5 of 5" in said
+            assert "Not begun: 2/2" in said
+    found = json.loads(command("merge", out, "--progress", "--json").stdout)
+    assert [each["finished"] for each in found] == [5, 4]
+    done = command("merge", out)
+    assert done.exit_code == 0, done.output
+    assert "9 results put together" in done.output
+    assert (out / "rehearsal.nc").exists()
+
+
+@pytest.mark.parametrize("arguments", [("only.mcap",), ("a.mcap", "b.mcap")])
+def test_law_merge_without_what_it_needs_is_refused(arguments: tuple[str, ...], tmp_path: Path) -> None:
+    done = command("merge", *(tmp_path / each for each in arguments))
+    assert done.exit_code == 2
+    assert "Traceback" not in done.output
+
+
+def test_law_merge_refuses_a_folder_without_shares(tmp_path: Path) -> None:
+    done = command("merge", tmp_path)
+    assert done.exit_code == 2
+    assert "shard.json" in done.output
