@@ -17,8 +17,8 @@ from telespring.cli.common import refusals
 from telespring.cli.compare import compare_command
 from telespring.cli.connect import connect_command
 from telespring.cli.decide import decide_command
-from telespring.cli.export import export_command
 from telespring.cli.explore import explore_command
+from telespring.cli.export import export_command
 from telespring.cli.help import Command, Group
 from telespring.cli.identify import identify_command
 from telespring.cli.merge import merge_command
