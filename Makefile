@@ -183,7 +183,7 @@ $(STAMPS)/oracles: requirements/oracles.txt $(STAMPS)/test
 	tools/make-venv.sh requirements/oracles.txt
 	@touch $@
 
-$(STAMPS)/docs: requirements/docs.txt $(STAMPS)/run
+$(STAMPS)/docs: requirements/docs.txt $(STAMPS)/test
 	tools/make-venv.sh requirements/docs.txt
 	@touch $@
 
