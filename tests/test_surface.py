@@ -36,7 +36,7 @@ PROMISED = {
     "partner_response": "dyad, stiffness, delay, frequency, axis, robot",
     "frequency_grid": "dyad, stiffness, delay, low, high, axis, resolution, limit",
     "nyquist": "dyad, stiffness, delay, axis",
-    "rehearse": "study, folder, progress, workers, *, fresh",
+    "rehearse": "study, folder, progress, workers, *, fresh, executor, shard",
     "simulate": "dyad, stiffness, delay, forces, duration, rate, history",
     "solve_dde": "rhs, delays, history, t_span, rtol, atol, *, initial, breakpoints, max_steps, "
     "initial_step, max_step",

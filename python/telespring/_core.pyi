@@ -27,6 +27,7 @@ from telespring._types import (
 )
 
 __all__ = [
+    "POPULATION_BIN_RATIO",
     "Adversary",
     "Agent",
     "Architecture",
@@ -118,6 +119,7 @@ __all__ = [
     "spectral_abscissa",
     "stability_map",
     "stable_delays",
+    "tally_population",
     "transfer_matrix",
     "trial_seed",
     "unstable_root_count",

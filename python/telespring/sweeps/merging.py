@@ -86,6 +86,19 @@ def merge_shards(
     ------
     InvalidInput
         If a share is missing, not finished, or of something else.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import telespring as ts
+    >>> study = ts.Study.paper().replace(
+    ...     protocol={"stiffness": [35.6], "delay": [0.167], "trials": 2, "duration": 2.5, "discard": 0.5}
+    ... )
+    >>> folder = tempfile.mkdtemp()
+    >>> for index in (1, 2):
+    ...     _ = ts.rehearse(study, folder, shard=(index, 2))
+    >>> ts.merge_shards(folder).sizes["trial"]
+    2
     """
     import xarray as xr
 

@@ -213,6 +213,21 @@ def _middles(ends: Range, count: int) -> FloatArray:
 def merge_surveys(surveys: Sequence[xr.Dataset]) -> xr.Dataset:
     """Add the shares of a survey up.
 
+    Parameters
+    ----------
+    surveys : sequence of xarray.Dataset
+        Results of `survey_dyads` for one population, each with its `shard`.
+
+    Returns
+    -------
+    xarray.Dataset
+        What `survey_dyads` returns without shares.
+
+    Raises
+    ------
+    InvalidInput
+        If there is none, or if they are of different populations or maps.
+
     Examples
     --------
     >>> import telespring as ts
@@ -242,6 +257,23 @@ def unsafe_quantile(survey: xr.Dataset, quantile: float) -> xr.DataArray:
 
     It is exact to 1 %, half a bin of the histogram in the logarithm; a safe dyad counts as 1. NaN where a
     cell has no dyads, infinite in the last bin.
+
+    Parameters
+    ----------
+    survey : xarray.Dataset
+        The result of `survey_dyads` or `merge_surveys`.
+    quantile : float
+        From 0 to 1; 0.95 for 95 %.
+
+    Returns
+    -------
+    xarray.DataArray
+        The ratio (dimensionless) per cell of mass and damping ratio.
+
+    Raises
+    ------
+    InvalidInput
+        If `quantile` is not from 0 to 1.
 
     Examples
     --------
