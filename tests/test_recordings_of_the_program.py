@@ -59,7 +59,7 @@ def test_cross_recordings_say_what_the_program_says(demo: tuple[dict[str, Any], 
         assert np.nanmean(np.hypot(*(own - target).T)) == pytest.approx(said["te"], rel=0.02)
         assert values["tracking_error"] == pytest.approx(said["te"], rel=0.2)
         force = np.hypot(columns["commanded_force.x"], columns["commanded_force.y"])
-        assert force.max() == pytest.approx(said["largest_force"], rel=1e-12)
+        assert force.max() == pytest.approx(said["largest_force"], abs=1e-9)  # as the summary rounds
         assert columns["energy_given_out"][-1] == pytest.approx(said["energy"]["given_out"], abs=0.05)
         # The record has the age of the oldest sample in use, the summary that of the played instant.
         assert network["age"]["median"] == pytest.approx(said["age"]["median"], abs=0.003)

@@ -78,6 +78,8 @@ def export_mat(
     >>> trial[0]["robot"][1]["position"].shape == (len(trial[0]["time"]), 2)
     True
     """
+    if not isinstance(file, str | os.PathLike):
+        raise InvalidInput("file", repr(file), "a path", "Name where the export is to be written.")
     place = Path(file)
     if place.suffix.lower() != _ENDING:
         raise InvalidInput(

@@ -122,6 +122,8 @@ def export_bids(
     ['sub-P01_ses-01_task-coupled_tracksys-robot_run-01_motion.tsv',
      'sub-P02_ses-01_task-coupled_tracksys-robot_run-01_motion.tsv']
     """
+    if not isinstance(folder, str | os.PathLike):
+        raise InvalidInput("folder", repr(folder), "a path", "Name where the export is to be written.")
     place = Path(folder)
     session, task = bids_label(session, "session"), bids_label(task, "task")
     people = _people(participants)
