@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from telespring._files import replacing, write_whole
 from telespring.comparison.cell_file import CELL_FILE, read_cell_file, write_cell_file
-from telespring.rehearsal.claims import require_claimable, require_same
+from telespring.rehearsal.claims import dataset_identity, require_claimable, require_same
 from telespring.rehearsal.run import remove_rehearsal
 from telespring.rehearsal.store import LOCK_FILE
 
@@ -109,7 +109,7 @@ class ComparisonStore:
         """Check whether the dataset of this comparison exists; InvalidInput if it is that of another."""
         if not self.dataset.exists():
             return False
-        self._require_same(_stored_identity(self.dataset))
+        self._require_same(dataset_identity(self.dataset))
         return True
 
     def require_own_trials(self) -> None:
@@ -161,7 +161,7 @@ class ComparisonStore:
         if self._identity_file.exists():
             self._remove_cells(self._identity_file.read_text(encoding="utf-8"))
         if self.dataset.exists():
-            identity = _stored_identity(self.dataset) or ""
+            identity = dataset_identity(self.dataset) or ""
             self._remove_cells(identity)
         for file in (self.dataset, self.summary, self.study, self._identity_file):
             file.unlink(missing_ok=True)
@@ -201,16 +201,3 @@ def _finished(folder: Path) -> Iterator[Path]:
     """List what finished trials left in the folder of a rehearsal."""
     yield from folder.glob("trials/*.trial")
     yield from (file for file in (folder / "rehearsal.nc", folder / CELL_FILE) if file.exists())
-
-
-def _stored_identity(dataset: Path) -> str | None:
-    """Read the identity of a dataset; None where the file is not a comparison's dataset."""
-    import h5netcdf
-
-    try:
-        with h5netcdf.File(dataset, "r") as file:
-            return str(file.attrs["identity"])
-    except PermissionError:
-        raise
-    except (OSError, KeyError):
-        return None

@@ -19,6 +19,7 @@ from telespring.exchange.material import (
     Session,
     Trial,
     code_words,
+    export_place,
     open_material,
     robot_signals,
     signal_values,
@@ -78,9 +79,7 @@ def export_mat(
     >>> trial[0]["robot"][1]["position"].shape == (len(trial[0]["time"]), 2)
     True
     """
-    if not isinstance(file, str | os.PathLike):
-        raise InvalidInput("file", repr(file), "a path", "Name where the export is to be written.")
-    place = Path(file)
+    place = export_place("file", file)
     if place.suffix.lower() != _ENDING:
         raise InvalidInput(
             "file", str(file), f"a name that ends in {_ENDING} is required", f"Write {place}{_ENDING}."

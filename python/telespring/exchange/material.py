@@ -22,7 +22,16 @@ if TYPE_CHECKING:
 
     from telespring.recording import MarkedTrial
 
-__all__ = ["Material", "Session", "Trial", "code_words", "open_material", "robot_signals", "signal_values"]
+__all__ = [
+    "Material",
+    "Session",
+    "Trial",
+    "code_words",
+    "export_place",
+    "open_material",
+    "robot_signals",
+    "signal_values",
+]
 
 
 #: The order of robots and axes in every export.
@@ -109,6 +118,13 @@ class Material:
     session: Session | None
     is_simulated: bool
     study: str
+
+
+def export_place(name: str, place: object) -> Path:
+    """Return where an export goes; InvalidInput if that is no path."""
+    if not isinstance(place, str | os.PathLike):
+        raise InvalidInput(name, repr(place), "a path", "Name where the export is to be written.")
+    return Path(place)
 
 
 def open_material(source: Any, rate: float | None = None) -> Material:

@@ -13,7 +13,7 @@ from typing import Literal
 
 from telespring._errors import InvalidInput
 
-__all__ = ["Describe", "require_claimable", "require_same"]
+__all__ = ["Describe", "dataset_identity", "require_claimable", "require_same"]
 
 #: What a folder holds.
 Kind = Literal["rehearsal", "comparison", "sweep"]
@@ -61,3 +61,16 @@ def require_claimable(
         is_identity = True
     if not is_identity or has_finished(stored):
         require_same(identity_file.parent, kind, stored, describe)
+
+
+def dataset_identity(dataset: Path) -> str | None:
+    """Read the identity that a netCDF dataset carries; None where the file has none."""
+    import h5netcdf
+
+    try:
+        with h5netcdf.File(dataset, "r") as file:
+            return str(file.attrs["identity"])
+    except PermissionError:
+        raise
+    except (OSError, KeyError):
+        return None

@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from telespring._files import write_whole
-from telespring.rehearsal.claims import require_claimable, require_same
+from telespring.rehearsal.claims import dataset_identity, require_claimable, require_same
 from telespring.rehearsal.store import LOCK_FILE
 from telespring.sweeps.rows import RowFile
 
@@ -116,7 +116,7 @@ class SweepStore:
 
     def is_complete(self, *, as_zarr: bool) -> bool:
         """Check whether the dataset of this sweep exists; InvalidInput if it is that of another."""
-        for place, read in ((self.dataset, _netcdf_identity), (self.zarr, _zarr_identity)):
+        for place, read in ((self.dataset, dataset_identity), (self.zarr, _zarr_identity)):
             if place.exists():
                 require_same(self.path, "sweep", read(place), self.identity.describe_difference)
         return (self.zarr if as_zarr else self.dataset).exists()
@@ -153,19 +153,6 @@ class SweepStore:
 
     def _has_rows(self) -> bool:
         return any(file.path.exists() for file in (self.points, self.trials))
-
-
-def _netcdf_identity(dataset: Path) -> str | None:
-    """Read the identity of a dataset; None where the file is not a sweep's dataset."""
-    import h5netcdf
-
-    try:
-        with h5netcdf.File(dataset, "r") as file:
-            return str(file.attrs["identity"])
-    except PermissionError:
-        raise
-    except (OSError, KeyError):
-        return None
 
 
 def _zarr_identity(folder: Path) -> str | None:

@@ -19,7 +19,7 @@ from telespring.exchange.bids.channels import channels
 from telespring.exchange.bids.labels import bids_label, check_distinct
 from telespring.exchange.bids.runs import Run, material_runs
 from telespring.exchange.bids.tables import cell, read_table, write_json, write_samples, write_table
-from telespring.exchange.material import Material, open_material
+from telespring.exchange.material import Material, export_place, open_material
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -122,9 +122,7 @@ def export_bids(
     ['sub-P01_ses-01_task-coupled_tracksys-robot_run-01_motion.tsv',
      'sub-P02_ses-01_task-coupled_tracksys-robot_run-01_motion.tsv']
     """
-    if not isinstance(folder, str | os.PathLike):
-        raise InvalidInput("folder", repr(folder), "a path", "Name where the export is to be written.")
-    place = Path(folder)
+    place = export_place("folder", folder)
     session, task = bids_label(session, "session"), bids_label(task, "task")
     people = _people(participants)
     material = open_material(source, rate)
