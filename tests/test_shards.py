@@ -15,7 +15,9 @@ from short_rehearsal import study_text
 from short_sweep import OVER, command, guarded
 from telespring.comparison.shares import run_comparison_share
 from telespring.rehearsal.shards import Shard, read_shard
-from telespring.sweeps.merging import share_progress
+from telespring.sweeps.merging import _plan_of, share_progress
+from telespring.sweeps.plan import plan_sweep
+from telespring.sweeps.work import identify_sweep
 
 COMPARED = {"stiffness": [71.2], "delay": [0.084], "trials": 2, "duration": 3.0, "discard": 1.0}
 
@@ -71,6 +73,12 @@ def test_law_shares_put_together_are_the_bytes_of_one_machine(
     assert (shared / name).read_bytes() == (whole / name).read_bytes()
     # once more: it is complete
     assert ts.merge_shards([shared, away], shared) is not None
+
+
+def test_law_what_a_merge_reads_of_a_sweep_is_what_ran() -> None:
+    """Whole numbers stay whole: `protocol.seed` takes no others."""
+    plan = plan_sweep(guarded(), {"protocol.seed": [1, 2], "network.loss": [0.0, 0.1]}, draws=2)
+    assert _plan_of(identify_sweep(plan, None)) == plan
 
 
 @pytest.mark.parametrize(("run", "count", "name"), WORK)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -228,9 +227,7 @@ def _sweep_identity(share: Path) -> SweepIdentity:
 
 def _plan_of(identity: SweepIdentity) -> SweepPlan:
     """Return the plan of a sweep from its identity."""
-    over = tuple(
-        Over(str(key), tuple(map(str, values))) for key, values in json.loads(json.dumps(identity.over))
-    )
+    over = tuple(Over(key, tuple(values)) for key, values in identity.over)
     return SweepPlan(
         Study.from_toml(identity.study),
         over,

@@ -49,7 +49,7 @@ class SweepIdentity:
 
     name: str
     study: str
-    over: list[list[object]]
+    over: list[tuple[str, list[str]]]
     draws: int
     seed: int
     conditions: int
@@ -60,11 +60,11 @@ class SweepIdentity:
 
     @property
     def fingerprint(self) -> str:
-        """A hash of the whole identity."""
-        return hashlib.sha256(self.to_json().encode()).hexdigest()
+        """A hash of the whole identity, the same for equal sweeps."""
+        return hashlib.sha256(self._compared().encode()).hexdigest()
 
     def to_json(self) -> str:
-        """Return the identity as text: equal texts are equal sweeps."""
+        """Return the identity as text, with the values of the keys as they were given."""
         return json.dumps(asdict(self), sort_keys=True, ensure_ascii=False)
 
     @classmethod
@@ -74,9 +74,9 @@ class SweepIdentity:
 
     def describe_difference(self, text: str | None) -> str | None:
         """Describe in what the sweep with this identity differs from this one; None if in nothing."""
-        if text == self.to_json():
-            return None
         other = self.from_json(text or "")
+        if other._compared() == self._compared():
+            return None
         if (other.schema, other.version) != (self.schema, self.version):
             return f"a sweep by telespring {other.version}; this is {self.version}"
         if other.study != self.study:
@@ -84,6 +84,19 @@ class SweepIdentity:
         if other.programs != self.programs:
             return "a sweep with another version of a Python file or a recorded trace"
         return "a sweep over other keys, values or draws"
+
+    def _compared(self) -> str:
+        """Return the text that equal sweeps have in common: 30 and 30.0 are one value of a key."""
+        over = [[key, [_number(value) for value in values]] for key, values in self.over]
+        return json.dumps(asdict(self) | {"over": over}, sort_keys=True, ensure_ascii=False)
+
+
+def _number(value: str) -> float | str:
+    """Return the number that a text means, or the text."""
+    try:
+        return float(value)
+    except ValueError:
+        return value
 
 
 class SweepStore:

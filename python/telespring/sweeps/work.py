@@ -62,7 +62,7 @@ def identify_sweep(plan: SweepPlan, modules: Path | None) -> SweepIdentity:
     return SweepIdentity(
         name=plan.study.name,
         study=plan.study.to_toml(),
-        over=[[each.key, [_same(value) for value in each.values]] for each in plan.over],
+        over=[(each.key, list(each.values)) for each in plan.over],
         draws=plan.draws,
         seed=plan.seed,
         conditions=plan.conditions,
@@ -70,14 +70,6 @@ def identify_sweep(plan: SweepPlan, modules: Path | None) -> SweepIdentity:
         programs=programs,
         version=core_version(),
     )
-
-
-def _same(value: str) -> object:
-    """Return a value as the identity has it: 30 and 30.0 are one."""
-    try:
-        return float(value)
-    except ValueError:
-        return value
 
 
 def _provenance(study: Study, modules: Path | None, *, has_trials: bool) -> dict[str, dict[str, str]]:
