@@ -272,13 +272,10 @@ class _Counter:
 
     def resume(self, finished: int) -> None:
         self.resumed += finished
-        self._tell(finished)
+        self.add(finished)
 
     def add(self, finished: int) -> None:
-        self._tell(finished)
-
-    def _tell(self, more: int) -> None:
-        self._done += more
+        self._done += finished
         if self._progress is not None:
             self._progress(self._done, self._total)
 
