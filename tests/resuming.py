@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
+import random
 import signal
 import subprocess
 import sys
@@ -13,8 +15,18 @@ from pathlib import Path
 import pytest
 
 from telespring.rehearsal.store import LOCK_FILE
+from telespring.rehearsal.trial_file import read_trial_file
 
-__all__ = ["interrupted_after", "killed_at", "left_in", "started", "wait_for", "written"]
+__all__ = [
+    "finished_trials",
+    "interrupted_after",
+    "killed_at",
+    "killed_until_it_comes_through",
+    "left_in",
+    "started",
+    "wait_for",
+    "written",
+]
 
 
 def written(folder: Path, text: str) -> Path:
@@ -28,6 +40,11 @@ def written(folder: Path, text: str) -> Path:
 def left_in(folder: Path) -> list[str]:
     """List everything in a folder and below, without locks."""
     return sorted(str(path.relative_to(folder)) for path in folder.rglob("*") if path.name != LOCK_FILE)
+
+
+def finished_trials(folder: Path) -> list[Path]:
+    """List the files of trials that an unfinished rehearsal or comparison keeps."""
+    return list(folder.rglob("[!.]*.trial"))
 
 
 def interrupted_after(trials: int) -> Callable[[int, int], None]:
@@ -55,6 +72,44 @@ def started(*arguments: str | Path, until: Callable[[int], bool]) -> subprocess.
     process = subprocess.Popen(call, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     wait_for(lambda: until(process.pid) or process.poll() is not None)
     return process
+
+
+def killed_until_it_comes_through(
+    start: Callable[[], subprocess.Popen[bytes]], folder: Path, *, mean: float, seed: int
+) -> None:
+    """Kill a command again and again until it ends by itself; each start goes on where the last was.
+
+    The first kill waits for a finished trial, however slow the machine. The others come at random moments,
+    later and later, so that every part is met and yet the command comes through.
+
+    Parameters
+    ----------
+    start
+        Starts the command and waits until it is at work.
+    folder
+        Where it works.
+    mean
+        By how much the mean time before a kill grows from one to the next, in seconds.
+    seed
+        Of the random moments.
+    """
+    moments = random.Random(seed)
+    process = start()
+    wait_for(lambda: bool(finished_trials(folder)) or process.poll() is not None)
+    for attempt in range(100):
+        if attempt > 0:
+            process = start()
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                process.wait(moments.expovariate(1.0 / (mean * attempt)))
+        process.send_signal(signal.SIGKILL)
+        output, _ = process.communicate()
+        if process.returncode == 0:
+            assert attempt > 0, "it ended before it could be killed: this shows nothing"
+            return
+        assert process.returncode == -signal.SIGKILL, output.decode()
+        # never an unfinished trial under a finished one's name
+        assert all(read_trial_file(file) is not None for file in finished_trials(folder))
+    pytest.fail("it never came through")
 
 
 def killed_at(place: str, function: str, study: str, folder: Path) -> None:

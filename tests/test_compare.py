@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import json
-import random
 import signal
-import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +11,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 import telespring as ts
-from resuming import interrupted_after, killed_at, left_in, started, written
+from resuming import interrupted_after, killed_at, killed_until_it_comes_through, left_in, started, written
 from telespring import cli
 from telespring.analysis import measure
 from telespring.comparison.schedule import schedule_comparison
@@ -261,21 +259,9 @@ def test_law_killed_at_any_moment_it_ends_the_same(
 ) -> None:
     """SIGKILL after random times until it comes through; each start goes on where the last was."""
     study, out = written(tmp_path, tiny.to_toml()), tmp_path / "out"
-    moments, kept = random.Random(5), 0
-    for attempt in range(60):
-        process = started("compare", study, "--out", out, until=lambda _: out.exists())
-        try:
-            process.wait(moments.expovariate(1.0 / (0.3 * (1 + attempt))))
-        except subprocess.TimeoutExpired:
-            process.send_signal(signal.SIGKILL)
-        output, _ = process.communicate()
-        if process.returncode == 0:
-            break
-        assert process.returncode == -signal.SIGKILL, output.decode()
-        kept += any(out.rglob("[!.]*.trial"))
-    else:
-        pytest.fail("it never came through")
-    assert kept, "no kill met a comparison with finished trials: this shows nothing"
+    killed_until_it_comes_through(
+        lambda: started("compare", study, "--out", out, until=lambda _: out.exists()), out, mean=0.3, seed=5
+    )
     assert ts.compare(tiny, out).dataset.identical(tiny_result.dataset)
     assert [name for name in left_in(out) if not name.endswith(".png")] == RESULTS
 

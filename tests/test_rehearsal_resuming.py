@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import random
 import re
 import signal
 import subprocess
@@ -15,7 +14,7 @@ import pytest
 import xarray as xr
 
 import telespring as ts
-from resuming import interrupted_after, killed_at, left_in, started, written
+from resuming import interrupted_after, killed_at, killed_until_it_comes_through, left_in, started, written
 from short_rehearsal import ARM, begin, command, loaded, study_text
 from telespring.rehearsal import run_protocol, trial_file
 from telespring.rehearsal.store import LOCK_FILE
@@ -54,26 +53,7 @@ def test_law_killed_at_any_moment_it_ends_with_the_same_dataset(seed: int, tmp_p
     begin = time.perf_counter()
     process.communicate()
     whole = time.perf_counter() - begin
-    moments, killed, at_work = random.Random(seed), 0, 0
-    for attempt in range(100):
-        process = _at_work(study, disturbed)
-        try:
-            # later on the whole, so that every part is met and yet it comes through
-            process.wait(moments.expovariate(1.0 / (whole * 0.1 * (1 + attempt))))
-        except subprocess.TimeoutExpired:
-            process.send_signal(signal.SIGKILL)
-        output, _ = process.communicate()
-        if process.returncode == 0:
-            break
-        assert process.returncode == -signal.SIGKILL, output.decode()
-        killed += 1
-        finished = list(disturbed.rglob("[!.]*.trial"))
-        at_work += bool(finished)
-        # never an unfinished trial under a finished one's name
-        assert all(trial_file.read_trial_file(file) is not None for file in finished)
-    else:
-        pytest.fail("it never came through")
-    assert at_work, f"of {killed} kills none met a rehearsal with finished trials: this shows nothing"
+    killed_until_it_comes_through(lambda: _at_work(study, disturbed), disturbed, mean=whole * 0.1, seed=seed)
     assert loaded(disturbed).identical(loaded(calm))
     assert left_in(disturbed) == ["rehearsal.nc"]
 
