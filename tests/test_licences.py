@@ -53,7 +53,7 @@ def test_law_every_crate_of_the_wheel_has_its_licence(tool: ModuleType, root: Pa
         assert not any(name.startswith(f"{only_builds} ") for name in named), only_builds
     text = tool.licences("telespring-py", target)
     assert named <= set(text.splitlines())
-    assert text.count(grant(root)[:200]) == 1
+    assert text.count(f"\n\n{grant(root)}\n\n===") == 1
     assert re.search(r"^numpy .*\n\nBSD 2-Clause License", text, re.M)
     assert re.search(r"^nalgebra .*\n(?:.+\n)*\nApache License", text, re.M)
 

@@ -3,7 +3,8 @@
     tools/bundle_page.py CORE.wasm OUT.html
 
 The modules of `page/` are joined in the order of their imports. They share one scope, so no name may be
-defined in two of them; that is checked. The licences of what is inside stand in a comment, since the page is handed on alone.
+defined in two of them; that is checked. The licences of what is inside stand in a comment, since the page
+is handed on alone.
 """
 
 from __future__ import annotations

@@ -1,7 +1,10 @@
-"""Prints the licences of the crates that are linked into one of this workspace:  gather_licences.py CRATE TARGET.
+"""Print the licences of the crates that are linked into one of this workspace.
 
-Who hands out a compiled program hands out their code, and their licences ask for their texts beside it. A crate under a choice is
-taken under MIT, else under the choice with the shortest text. The text of MIT stands here once, behind the copyright lines of all.
+    tools/gather_licences.py CRATE TARGET
+
+Who hands out a compiled program hands out their code, and their licences ask for their texts beside it. A crate
+under a choice is taken under MIT, else under the choice with the shortest text. The text of MIT stands here
+once, behind the copyright lines of all.
 """
 
 from __future__ import annotations
@@ -21,7 +24,7 @@ _TITLE = re.compile(r"(?i)^(the )?mit license( \(mit\))?$")
 _GRANT = "Permission is hereby granted"
 _LIBRARY = (
     "Rust's standard library\n"
-    "    Copyright (c) The Rust Project Developers; the crates in it: COPYRIGHT-library.html of the Rust distribution"
+    "    Copyright (c) The Rust Project Developers; the crates in it: COPYRIGHT-library.html of Rust"
 )
 
 
@@ -59,7 +62,9 @@ def sources(name: str, version: str) -> Path:
     home = Path(os.environ.get("CARGO_HOME", Path.home() / ".cargo"))
     for folder in sorted(home.glob(f"registry/src/*/{name}-{version}")):
         return folder
-    raise SystemExit(f"gather_licences: no sources of {name} {version} below {home}: run 'cargo fetch --locked'.")
+    raise SystemExit(
+        f"gather_licences: no sources of {name} {version} below {home}: run 'cargo fetch --locked'."
+    )
 
 
 def texts(crate: Crate) -> list[str]:
