@@ -2,8 +2,8 @@
 
     tools/gather_licences.py CRATE TARGET
 
-Who hands out a compiled program hands out their code, and their licences ask for their texts beside it. A crate
-under a choice is taken under MIT, else under the choice with the shortest text. The text of MIT stands here
+Who hands out a compiled program hands out their code, and their licences ask for their texts beside it. A
+crate under a choice is taken under MIT, else under the choice with the shortest text. The text of MIT stands here
 once, behind the copyright lines of all.
 """
 
