@@ -2,9 +2,9 @@
 
     tools/gather_licences.py CRATE TARGET
 
-Who hands out a compiled program hands out their code, and their licences ask for their texts beside it. A
-crate under a choice is taken under MIT, else under the choice with the shortest text. The text of MIT stands here
-once, behind the copyright lines of all.
+Who hands out a compiled program hands out their code, and their licences ask for their texts beside it.
+A crate under a choice is taken under MIT, else under the choice with the shortest text. The text of MIT is
+printed once, behind the copyright lines of all.
 """
 
 from __future__ import annotations
