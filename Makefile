@@ -64,6 +64,8 @@ link-static: link-toolchain ## build the live program as one static file, in tar
 	RUSTFLAGS='-C target-feature=+crt-static' cargo build --release --locked -p telespring-link --target $(HOST)
 	"$$(tools/check-toolchain.sh --python)" tools/gather_licences.py telespring-link $(HOST) \
 		>$${CARGO_TARGET_DIR:-target}/$(HOST)/release/telespring-link-licences.txt
+	@printf '\n%s\n' 'On Linux it has the GNU C library in it (LGPL-2.1-or-later); `make link-static` of these sources links another one.' \
+		>>$${CARGO_TARGET_DIR:-target}/$(HOST)/release/telespring-link-licences.txt
 	@echo $${CARGO_TARGET_DIR:-target}/$(HOST)/release/telespring-link
 
 # Real-time tests: they share the machine with nobody who can help it. Then what the package makes of the program and its recordings.
