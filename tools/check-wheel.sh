@@ -34,7 +34,7 @@ fi
 # What must be in it, and what must not.
 python=$("$root"/tools/check-toolchain.sh --python)
 "$python" - "$wheel" "$sdist" "$root" <<'PYTHON'
-import json, os, pathlib, sys, tarfile, zipfile
+import json, os, pathlib, re, sys, tarfile, zipfile
 wheel, sdist, root = sys.argv[1:]
 inside = zipfile.ZipFile(wheel)
 names = inside.namelist()
@@ -45,10 +45,12 @@ information = f"{pathlib.Path(wheel).name.split('-cp311')[0]}.dist-info"
 for wanted in ("LICENSE", "LICENSE-linked-crates.txt", "LICENSE-rust-library.html"):
     assert f"{information}/licenses/{wanted}" in names, f"{wanted} is not in the wheel"
     assert f"License-File: {wanted}\n" in inside.read(f"{information}/METADATA").decode(), f"METADATA does not name {wanted}"
-# Each crate of the bill of materials that is linked has its licence.
+# What was built is what the licences are of.
 [bill] = [json.loads(inside.read(name)) for name in names if name.startswith(f"{information}/sboms/")]
-crates = [f"{each['name']} {each['version']}" for each in bill["components"] if each.get("scope") == "required"]
-assert any(name.endswith(".html.jinja") for name in names), "the report's templates are not in the wheel"
+crates = {f"{each['name']} {each['version']}" for each in bill["components"]}
+licences = inside.read(f"{information}/licenses/LICENSE-linked-crates.txt").decode()
+linked = set(re.findall(r"^[\w-]+ \d+\.\d+\.\d+\S*$", licences, re.M))
+assert len(linked) > 30 and linked <= crates, f"the bill of materials lacks {linked - crates}"
 for name in names:
     content = inside.read(name)
     for path in (root, str(pathlib.Path.home())):
