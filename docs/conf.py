@@ -41,6 +41,7 @@ GENERATED = DOCS / "_generated"
 command_reference.write(GENERATED / "commands.md")
 python_reference.write(GENERATED / "python.rst")
 misprints.write(GENERATED / "misprints.md")
+gallery.forget_stale_pictures(GENERATED / "gallery", ROOT / "python" / "telespring")
 page.write(GENERATED / "try-it.md", ROOT / "out" / "page" / "telespring.html")
 
 exclude_patterns = [
