@@ -21,7 +21,7 @@ worst = ts.unsafe_quantile(survey, 0.95)
 figure, (left, right) = plt.subplots(1, 2, figsize=(9, 4), layout="constrained", sharey=True)
 maps = (
     (left, 100 * share, "Dyads for which Eq. 5 is unsafe, %", {"vmin": 0, "vmax": 100}),
-    (right, worst, "Eq. 5 over the exact stiffness:\n95 % of a cell's dyads are below", {"norm": "log"}),
+    (right, worst, "Eq. 5 over the exact stiffness:\n95 % of a cell's dyads are below", {"vmin": 1}),
 )
 for ax, values, title, scale in maps:
     drawn = ax.pcolormesh(survey.damping_ratio, survey.mass_ratio, values, cmap="cividis", **scale)
@@ -44,8 +44,9 @@ for name, damping_ratio in (("equal robots", 1.0), ("equal masses, ten times the
     assert 1.0 <= quantiles[0] <= quantiles[1]
 
 assert dyads >= 4_000_000
-# exchanging the robots changes nothing but chance
-assert float(np.abs(share.values - share.values[::-1, ::-1]).mean()) < 0.02
+assert 0.3 < unsafe / dyads < 0.5
+assert float(share.sel(mass_ratio=1.0, damping_ratio=1.0, method="nearest")) < 0.1
+assert float(share.sel(mass_ratio=1.0, damping_ratio=10.0, method="nearest")) > 0.9
 
 # %%
 # The criteria broadcast over arrays, too. A hundred thousand dyads of the same population, drawn by NumPy and
