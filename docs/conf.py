@@ -48,6 +48,7 @@ exclude_patterns = [
     "_build",
     "node_modules",
     "gallery",
+    "_generated/misprints.md",  # a part of another page
     "**/sg_execution_times.rst",
     "sg_execution_times.rst",
 ]
