@@ -77,6 +77,7 @@ html_css_files = ["site.css"]
 html_extra_path = page.files(ROOT / "out" / "page" / "telespring.html")
 html_show_sourcelink = False
 html_copy_source = False
+html_sidebars = {"index": [], "_generated/try-it": []}  # they have no pages below them
 html_theme_options = {
     "logo": {"text": "telespring"},
     "navbar_align": "left",
