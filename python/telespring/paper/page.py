@@ -91,6 +91,7 @@ def render_section(section: Section, study: Mapping[str, Any], findings: Mapping
             of_the_paper=study["of_the_paper"],
             numbers=numbers,
             drawings={name: Markup(text) for name, text in own.drawings.items()},
+            files=own.files,
             q=quantity,
             share=share,
             p_value=p_value,
@@ -115,7 +116,7 @@ def places_of(sections: Sequence[Section]) -> list[Place]:
 def _is_section_shown(section: Section, findings: Mapping[str, Findings]) -> bool:
     """Whether a section has something to show: what computes nothing always has."""
     own = findings.get(section.name, Findings())
-    return section.find is None or bool(own.numbers or own.drawings)
+    return section.find is None or bool(own.numbers or own.drawings or own.files)
 
 
 @cache
