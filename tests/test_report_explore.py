@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 import telespring as ts
-from browser import look, needs_chromium
+from browser import hear, look, needs_chromium
 from telespring.app import page as carried
 from telespring.paper import analyse
 from telespring.paper.sections.explore.section import SECTION
@@ -51,7 +51,7 @@ document.getElementById("explore-open").click();
 @needs_page
 @needs_chromium
 def test_law_the_page_opens_in_the_report_with_its_study(tmp_path: Path) -> None:
-    shown: Any = look(report(), OPEN, tmp_path)
+    shown: Any = hear(report(), OPEN, tmp_path)
     assert ts.Study.from_toml(shown) == STUDY
     # nothing of it is there before it is asked for
     frames = "<script>report(document.querySelectorAll('iframe').length)</script>"
