@@ -14,6 +14,7 @@ import telespring as ts
 from browser import hear, look, needs_chromium
 from telespring.app import page as carried
 from telespring.paper import analyse
+from telespring.paper import page as report_page
 from telespring.paper.sections.explore.section import SECTION
 
 needs_page = pytest.mark.skipif(not carried.is_carried(), reason="NO PAGE HERE: 'make page' builds it")
@@ -39,6 +40,16 @@ def test_law_without_the_page_the_report_has_no_such_section(monkeypatch: pytest
     page = report()
     assert 'id="explore"' not in page
     assert "explore-page" not in page
+
+
+@needs_page
+def test_law_a_long_report_stays_small_and_says_where_the_page_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(report_page, "MOST_BYTES", 100_000)
+    page = report()
+    assert len(page) < 100_000
+    assert 'id="explore"' in page
+    assert "explore-page" not in page
+    assert "<code>telespring explore</code>" in page
 
 
 #: Opens the page, and hears from it which study it shows.

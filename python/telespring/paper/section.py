@@ -23,7 +23,8 @@ class Findings:
     drawings
         Name to the text of one `<svg>` element.
     files
-        Name to a file that the section carries, compressed (gzip) and written in base64.
+        Name to a file that the section carries, compressed (gzip) and written in base64; empty if it is left
+        out because the page would grow too large.
     """
 
     numbers: Mapping[str, Any] = field(default_factory=dict)
