@@ -116,7 +116,7 @@ def compare(root: Path, count: int, seed: int) -> None:
 
 
 def test_cross_the_page_answers_as_the_command_does(root: Path) -> None:
-    compare(root, 120, 1)
+    compare(root, 120, 4)
 
 
 @pytest.mark.verify
