@@ -49,11 +49,7 @@ fn study(draw: &mut Draw) -> String {
         }
     }
     let delay = [draw.decade(0.001, 0.4), draw.decade(0.001, 0.4)];
-    text += &format!("[coupling]\nstiffness = {:?}\n", draw.decade(5.0, 800.0));
-    if draw.is(0.15) {
-        text += &format!("damping = {:?}\n", draw.decade(0.01, 5.0));
-    }
-    text += "[network]\n";
+    text += &format!("[coupling]\nstiffness = {:?}\n[network]\n", draw.decade(5.0, 800.0));
     text += &if draw.is(0.8) {
         format!("delay = {:?}\n", delay[0])
     } else {
@@ -62,12 +58,8 @@ fn study(draw: &mut Draw) -> String {
     if draw.is(0.35) {
         text += &format!("jitter = {:?}\nplayout_buffer = {}\n", draw.decade(0.01, 0.2), draw.is(0.2));
     }
-    if draw.is(0.1) {
-        text += &format!("max_gap = {:?}\n", draw.decade(0.001, 0.05));
-    }
     let period = if draw.is(0.5) { 0.0 } else { [0.001, 0.002, 0.005][(3.0 * draw.next()) as usize] };
-    let computing = if draw.is(0.2) { 0.5 * period } else { 0.0 };
-    text + &format!("[controller]\nsample_period = {period:?}\ncomputing_time = {computing:?}\n")
+    text + &format!("[controller]\nsample_period = {period:?}\n")
 }
 
 fn root() -> PathBuf {
