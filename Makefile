@@ -36,7 +36,7 @@ study: $(STAMPS)/binding ## set everything up and reproduce the paper in out/stu
 # The same generated cases on every machine; `make verify` draws new ones.
 test: $(STAMPS)/binding $(STAMPS)/test ## set everything up and run all tests
 	PROPTEST_RNG_SEED=20251121 cargo test --locked
-	$(PYTHON_IN_VENV) -m pytest
+	$(PYTHON_IN_VENV) -m pytest --numprocesses auto --maxprocesses 4 --dist worksteal
 
 # One HTML file, and a copy in the package for `telespring explore`, notebooks and the wheel.
 PAGE_CORE := out/page/telespring.wasm
@@ -64,9 +64,12 @@ link-static: link-toolchain ## build the live program as one static file, in tar
 	RUSTFLAGS='-C target-feature=+crt-static' cargo build --release --locked -p telespring-link --target $(HOST)
 	@echo $${CARGO_TARGET_DIR:-target}/$(HOST)/release/telespring-link
 
-# Real-time tests: they share the machine with nobody who can help it.
-test-link: link-toolchain ## test the live program
+# Real-time tests: they share the machine with nobody who can help it. Then what the package makes of the program and its recordings.
+LINK_TESTED := $${CARGO_TARGET_DIR:-target}/link-test/telespring-link
+test-link: link-toolchain $(STAMPS)/binding $(STAMPS)/test ## test the live program
 	cargo test --profile link-test --locked -p telespring-link
+	TELESPRING_LINK="$$(realpath "$(LINK_TESTED)")" \
+		$(PYTHON_IN_VENV) -m pytest tests/test_connect.py tests/test_recordings_of_the_program.py
 
 # iroh's relay server, of the version that the live program speaks with; no test needs its speed. Not in .ci/run: its hundreds of crates
 # take minutes to build.

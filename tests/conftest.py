@@ -19,6 +19,7 @@ from typer.testing import CliRunner
 import telespring as ts
 from paper_study import PaperStudy
 from telespring.cli import app
+from telespring.connection.program import find_program
 from telespring.paper import Analysis
 from telespring.references import read_reference
 
@@ -44,6 +45,15 @@ def pytest_report_header() -> str:
 def root() -> Path:
     """Return the repository's folder."""
     return ROOT
+
+
+@pytest.fixture(scope="session")
+def live_program() -> Path:
+    """Return the live program, which `make test-link` builds; skip where there is none."""
+    try:
+        return find_program()
+    except ts.InvalidInput as refused:
+        pytest.skip(f"NO LIVE PROGRAM HERE: {refused}")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

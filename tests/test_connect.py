@@ -511,20 +511,7 @@ def test_law_no_order_is_lost_or_cut_while_the_program_does_not_listen(fake: Cal
     assert heard == [*(f"order-mark note {number} {60 * 'x'}" for number in range(1500)), "order-stop"]
 
 
-@pytest.fixture
-def real() -> Path:
-    """The live program itself; skipped where it is not built."""
-    try:
-        program = find_program()
-    except ts.InvalidInput as refused:
-        pytest.skip(f"the live program is not there: {refused}")
-    said = subprocess.run([program, "run", "--help"], capture_output=True, check=True, text=True).stdout
-    if "--console" not in said:
-        pytest.skip("the live program is of an earlier build: run `make link`")
-    return program
-
-
-@pytest.mark.usefixtures("real")
+@pytest.mark.usefixtures("live_program")
 def test_cross_the_demonstration_ends_by_itself_with_json(tmp_path: Path) -> None:
     process = as_process("--demo", "--seconds", "3", "--delay", "30ms", "--json", cwd=tmp_path)
     out, errors = process.communicate(timeout=100)
@@ -539,7 +526,7 @@ def test_cross_the_demonstration_ends_by_itself_with_json(tmp_path: Path) -> Non
     assert (tmp_path / result["recording"]).stat().st_size > 0
 
 
-@pytest.mark.usefixtures("real")
+@pytest.mark.usefixtures("live_program")
 def test_cross_the_program_leaves_when_its_parent_is_killed(tmp_path: Path) -> None:
     process = as_process("--demo", "--seconds", "600", stdin=subprocess.PIPE, cwd=tmp_path)
     assert process.stdout is not None

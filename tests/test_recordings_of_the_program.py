@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -14,24 +13,12 @@ import pytest
 import telespring as ts
 
 
-def program(root: Path) -> str:
-    """Return the live program; skip where it is not built."""
-    named = os.environ.get("TELESPRING_LINK")
-    path = Path(named) if named else root / "target" / "release" / "telespring-link"
-    if not path.is_file():
-        pytest.skip(f"no live program at {path}: make link builds it, TELESPRING_LINK names another")
-    said = subprocess.run([path, "demo", "--help"], capture_output=True, text=True, check=False, timeout=60)
-    if "--record" not in said.stdout:
-        pytest.skip(f"{path} does not record: build it anew with make link")
-    return str(path)
-
-
 @pytest.fixture(scope="module")
-def demo(root: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Any], list[Path]]:
+def demo(live_program: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Any], list[Path]]:
     """Return the summary of a demo of both sites, and its recordings."""
     folder = tmp_path_factory.mktemp("recordings")
     done = subprocess.run(
-        [program(root), "demo", "--seconds", "4", "--delay", "0.03", "--record", str(folder)],
+        [live_program, "demo", "--seconds", "4", "--delay", "0.03", "--record", str(folder)],
         capture_output=True,
         text=True,
         check=True,
