@@ -174,12 +174,13 @@ def test_law_a_sweep_in_shares_and_on_a_cluster_with_a_killed_worker_is_that_of_
     over = [f"{key}={','.join(map(str, values))}" for key, values in OVER.items()]
     asked = ["sweep", study, "--quick", *(word for text in over for word in ("--over", text))]
     alone, shared, cluster = (tmp_path / name for name in ("alone", "shared", "cluster"))
-    for call in (
+    calls: list[list[str | Path]] = [
         [*asked, "--out", alone],
         [*asked, "--out", shared, "--shard", "1/2"],
         [*asked, "--out", shared, "--shard", "2/2"],
         ["merge", shared],
-    ):
+    ]
+    for call in calls:
         done = command(*call)
         assert done.exit_code == 0, done.output
     trials = 24

@@ -102,6 +102,23 @@ def test_cross_a_drawn_robot_moves_as_one_that_is_known(study: ts.Study, tmp_pat
     np.testing.assert_array_equal(row[place : place + 2], here.tracking_error.values)
 
 
+def test_law_the_guard_of_a_trial_counts_on_the_identified_robot(study: ts.Study, tmp_path: Path) -> None:
+    stiff = study.replace(protocol={"stiffness": [150.0], "trials": 1}, robot1={"damping_sd": [2.0, 3.0]})
+    found = ts.sweep(stiff, tmp_path, draws=2).isel(draw=1, condition=2, trial=0)
+    drawn = stiff.replace(
+        robot1={name: found[f"robot_{name}"].sel(robot=1).values.tolist() for name in ("mass", "damping")}
+    )
+    seed = trial_seed(1, 2, 0)
+    given = []
+    for counted in (stiff, drawn):
+        experiment = counted.experiment
+        assert experiment is not None
+        laboratory = experiment.laboratory.with_robots(drawn.dyad)
+        given.append(laboratory.run(150.0, 0.084, seed, 3.0, experiment.record_rate).given_out)
+    assert found.given_out.values.tolist() == given[0].tolist()
+    assert given[0].tolist() != given[1].tolist()
+
+
 def test_law_a_robot_with_less_damping_than_the_guard_counts_on_breaks_the_law(study: ts.Study) -> None:
     """So the law tests something: 10 N·s/m are counted on, and 5 N·s/m are there."""
     axes = ["x", "y"]
