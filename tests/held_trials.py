@@ -25,7 +25,7 @@ class Held:
         with open(Path(folder, "log.txt"), "a") as file:
             file.write(f"{os.getpid()} {seed}\\n")
         if begun >= 3 and claimed(folder):
-            time.sleep(120.0)
+            time.sleep(250.0)
             raise RuntimeError("nobody killed it")
 
     def __call__(self, time, position, velocity, target):
@@ -55,7 +55,7 @@ def arm(folder: Path) -> None:
 
 def kill_the_held(folder: Path) -> int:
     """Kill the process that holds a trial as soon as there is one, and return its number."""
-    wait_for(lambda: any(folder.glob("held-*")))
+    wait_for(lambda: any(folder.glob("held-*")), seconds=100)
     [held] = folder.glob("held-*")
     process = int(held.name.removeprefix("held-"))
     os.kill(process, signal.SIGKILL)
