@@ -142,11 +142,13 @@ fuzz: toolchain ## run each fuzzer for FUZZ_SECONDS (needs nightly Rust and carg
 		cargo +nightly fuzz run $$target -- -max_total_time=$(FUZZ_SECONDS); \
 	done
 
-# The interactive page is part of the site where `make page` has made it.
+# What has not changed is not made anew: pages and pictures (Sphinx, sphinx-gallery), the page, the crate's documentation (cargo).
 docs: $(STAMPS)/binding $(STAMPS)/docs docs/node_modules/.package-lock.json ## build the documentation site, out/docs/index.html (needs Node.js)
+	@if tools/build-wasm.sh --ready; then $(MAKE) --no-print-directory page; \
+		else echo "NO PAGE: 'Try it' of the site is what 'make page' made last, or says how to make it" >&2; fi
 	$(VENV)/bin/sphinx-build --builder html --fail-on-warning --keep-going --quiet -d out/docs-doctrees docs out/docs
-	cargo doc --locked --no-deps --package telespring
-	rm -rf out/docs/rust && cp -r target/doc out/docs/rust
+	RUSTDOCFLAGS='-D warnings' cargo doc --locked --no-deps --package telespring
+	rm -rf out/docs/rust && cp -r $${CARGO_TARGET_DIR:-target}/doc out/docs/rust
 
 docs-check: docs ## look at every page of the site in a browser: accessibility, width, requests (needs Chromium)
 	node tools/site/look.mjs out/docs

@@ -41,12 +41,14 @@ GENERATED = DOCS / "_generated"
 command_reference.write(GENERATED / "commands.md")
 python_reference.write(GENERATED / "python.rst")
 misprints.write(GENERATED / "misprints.md")
+gallery.forget_stale_pictures(GENERATED / "gallery", ROOT / "python" / "telespring")
 page.write(GENERATED / "try-it.md", ROOT / "out" / "page" / "telespring.html")
 
 exclude_patterns = [
     "_build",
     "node_modules",
     "gallery",
+    "_generated/misprints.md",  # a part of another page
     "**/sg_execution_times.rst",
     "sg_execution_times.rst",
 ]
@@ -75,6 +77,7 @@ html_css_files = ["site.css"]
 html_extra_path = page.files(ROOT / "out" / "page" / "telespring.html")
 html_show_sourcelink = False
 html_copy_source = False
+html_sidebars = {"index": [], "_generated/try-it": []}  # they have no pages below them
 html_theme_options = {
     "logo": {"text": "telespring"},
     "navbar_align": "left",

@@ -30,10 +30,11 @@ NOT_RUN = {
     "docs/explore.md": 1,
     "docs/scale.md": 3,
     "docs/how-to/from-matlab.md": 2,
+    "docs/how-to/recordings-to-bids.md": 1,
     "docs/how-to/simulink-labview.md": 2,
     "docs/recording.md": 1,
     "docs/tutorials/couple.md": 5,
-    "docs/tutorials/install.md": 1,
+    "docs/tutorials/install.md": 3,
 }
 
 
@@ -110,6 +111,11 @@ def recordings_of_both_sites(folder: Path) -> None:
     MadeSession(seconds=1.0, marks=marks).write(folder)
 
 
+def recordings_of_two_people(folder: Path) -> None:
+    marks = [(0.1, 1, "participant P01"), (0.1, 2, "participant P02"), (0.1, 1, "condition soft")]
+    MadeSession(seconds=1.0, marks=[*marks, (0.3, 1, "trial 1"), (0.8, 1, "trial end")]).write(folder)
+
+
 def recorded_demonstration(folder: Path) -> None:
     write_session(folder / "out" / "connect")
 
@@ -123,6 +129,7 @@ GIVEN: dict[str, Callable[[Path], None]] = {
     "docs/recording.md": recordings_of_both_sites,
     "docs/rehearse.md": finished_rehearsal,
     "docs/study-file.md": robot_file,
+    "docs/how-to/recordings-to-bids.md": recordings_of_two_people,
     "docs/how-to/slow-robots.md": saved_study("docs/how-to/slow-robots.md", "arms.toml"),
     "docs/tutorials/couple.md": recorded_demonstration,
     "docs/tutorials/rehearse.md": saved_study("docs/tutorials/rehearse.md", "study.toml"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import runpy
 import warnings
+from importlib import import_module
 from pathlib import Path
 
 import matplotlib as mpl
@@ -14,7 +15,7 @@ from typer.testing import CliRunner
 import telespring as ts
 from telespring.cli import app
 from telespring.references import read_reference
-from tools.site import command_reference, misprints, python_reference
+from tools.site import command_reference, gallery, misprints, python_reference
 from tools.site.repository_links import PAGES, site_link
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -44,6 +45,34 @@ def test_law_the_reference_of_python_has_every_public_name() -> None:
     assert {*classes, *functions} == {name for name in ts.__all__ if not name.startswith("_")}
     assert "critical_stiffness" in functions
     assert "Dyad" in classes
+
+
+def listed_by_module() -> dict[str, set[str]]:
+    """Return the names that the page of Python lists, by their module."""
+    found: dict[str, set[str]] = {}
+    for line in python_reference.text().splitlines():
+        if line.startswith(".. currentmodule:: "):
+            module = found.setdefault(line.split()[-1], set())
+        elif re.fullmatch(r" {3}\w+", line):
+            module.add(line.strip())
+    return found
+
+
+def test_law_the_reference_of_python_has_every_room() -> None:
+    """Every folder and file of the package is a room, and each of its names stands on the page once."""
+    package = Path(ts.__file__).parent
+    there = {
+        path.stem for path in package.glob("*") if path.suffix == ".py" or (path / "__init__.py").exists()
+    }
+    assert set(python_reference.rooms()) == {name for name in there if not name.startswith("_")}
+    assert set(python_reference.ELSEWHERE) < there
+    listed = listed_by_module()
+    assert {"telespring", "telespring.analysis", "telespring.plot"} < set(listed)
+    for room in set(python_reference.rooms()) - set(python_reference.ELSEWHERE):
+        module = import_module(f"telespring.{room}")
+        for name in (each for kind in python_reference.names(module.__name__) for each in kind):
+            is_shown = name in listed.get(module.__name__, set())
+            assert is_shown or getattr(ts, name, None) is getattr(module, name), f"{room}.{name}"
 
 
 def test_law_every_misprint_of_the_reference_file_is_in_the_table() -> None:
@@ -88,6 +117,20 @@ def test_law_the_gallery_has_at_least_twelve_examples_that_assert() -> None:
         assert re.search(r"^assert |^    assert ", script.read_text(encoding="utf-8"), re.MULTILINE), (
             script.name
         )
+
+
+def test_law_a_picture_is_drawn_anew_when_the_package_has_changed(tmp_path: Path) -> None:
+    package, pictures = tmp_path / "package", tmp_path / "gallery"
+    package.mkdir()
+    (package / "room.py").write_text("limit = 1\n")
+    gallery.forget_stale_pictures(pictures, package)
+    drawn = pictures / "plot_01.py.md5"
+    drawn.write_text("drawn")
+    gallery.forget_stale_pictures(pictures, package)
+    assert drawn.exists()
+    (package / "room.py").write_text("limit = 2\n")
+    gallery.forget_stale_pictures(pictures, package)
+    assert not drawn.exists()
 
 
 @pytest.mark.parametrize("script", GALLERY, ids=lambda script: script.stem)

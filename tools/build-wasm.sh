@@ -1,12 +1,13 @@
 #!/bin/sh
 # Builds the core of the page as WebAssembly: build-wasm.sh OUT.wasm
+# Says by its exit status whether it can without Debian's compiler: build-wasm.sh --ready
 #
 # Needs the standard library of Rust for wasm32-unknown-unknown: 'rustup target add wasm32-unknown-unknown' downloads it.
 # Where rustup cannot, tools/debian-wasm.sh unpacks Debian's compiler beside the system and builds the library with it.
 set -eu
 
 root=$(cd "$(dirname "$0")/.." && pwd)
-out=${1:?build-wasm.sh OUT.wasm}
+out=${1:?build-wasm.sh OUT.wasm | --ready}
 target=wasm32-unknown-unknown
 
 has_target() {
@@ -15,6 +16,10 @@ has_target() {
 
 if ! has_target && command -v rustup >/dev/null 2>&1; then
     (cd "$root" && rustup target add "$target") || true
+fi
+if [ "$out" = --ready ]; then
+    has_target
+    exit
 fi
 if has_target; then
     # paths of this machine stay out of the module

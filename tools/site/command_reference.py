@@ -57,8 +57,14 @@ def _default(option: Any) -> str:
     return f" *Default:* `{shown}`."
 
 
+def _paragraph(markup: str) -> str:
+    """Write a paragraph of the help as Markdown; an example is a command line."""
+    lead, said, example = markup.strip().partition("Example: ")
+    return _plain(markup) if lead or not said else f"Example: `{' '.join(example.split())}`"
+
+
 def _section(name: str, command: Any) -> str:
-    paragraphs = [_plain(part) for part in command.help.split("\n\n")]
+    paragraphs = [_paragraph(part) for part in command.help.split("\n\n")]
     rows = [
         f"{_name(each)}\n: {_plain(each.help or '')}{_default(each)}\n"
         for each in options(command)

@@ -4,6 +4,7 @@ mod common;
 
 use common::{Pair, anywhere, hman_study};
 use telespring::study::Study;
+use telespring_link::device::Fault;
 use telespring_link::operator::Order;
 use telespring_link::site::{Happened, Limits, Phase, SiteSettings};
 
@@ -62,6 +63,48 @@ fn law_where_a_device_was_silent_the_account_takes_the_worst_that_may_have_acted
                 assert!((taken - worst).abs() < 3e-4, "{lines} {way} {is_paused}: {taken} J of {worst} J");
             }
         }
+    }
+}
+
+#[test]
+fn law_the_account_takes_the_last_moment_before_a_sudden_end() {
+    for lines in ["", "laboratory.computing_tick = true"] {
+        for way in [0.01, -0.01] {
+            // the emergency stop is pressed in the row that says how far the handle has gone
+            let mut pair = running(lines, Limits::default());
+            let before = given(&pair);
+            pair.devices[0].change(|script| script.is_stopped = true);
+            step(&mut pair, way);
+            assert_eq!((pair.phases()[0], pair.forces()[0]), (Phase::Stopped, [0.0; 2]));
+            let taken = given(&pair) - before;
+            assert!((taken - way * FORCE).abs() < 1e-9, "{lines} {way}: {taken} J");
+            // with a computing tick the last command acts once more; nothing does after that
+            step(&mut pair, way);
+            let all = if lines.is_empty() { way } else { 2.0 * way };
+            for _ in 0..50 {
+                step(&mut pair, way);
+            }
+            let taken = given(&pair) - before;
+            assert!((taken - all * FORCE).abs() < 1e-9, "{lines} {way}: {taken} J after the end");
+        }
+    }
+}
+
+#[test]
+fn law_the_account_takes_the_worst_of_a_device_that_fell_silent_once_it_is_back() {
+    for (way, worst) in [(0.01, 0.01 * FORCE), (-0.01, 0.0)] {
+        let mut pair = running("", Limits::default());
+        let before = given(&pair);
+        pair.devices[0].change(|script| script.fault = Some(Fault::Silent));
+        pair.run(300, |_, forces| assert_eq!(forces[0], [0.0; 2]));
+        assert_eq!(pair.phases()[0], Phase::Homing);
+        pair.devices[0].change(|script| script.fault = None);
+        step(&mut pair, way);
+        let taken = given(&pair) - before;
+        assert!((taken - worst).abs() < 1e-9, "{way}: {taken} J of {worst} J");
+        // once
+        step(&mut pair, way);
+        assert!((given(&pair) - before - worst).abs() < 1e-9);
     }
 }
 

@@ -134,8 +134,11 @@ fn law_a_check_says_what_is_missing() {
     let (paths, robot) = sites("check-missing", [100.0, 101.0]);
     let (outputs, _) = both(&paths, &robot, false);
     let [first, second] = outputs.each_ref().map(report);
-    for report in [&first, &second] {
-        assert_eq!(item(report, "partner"), ("failed", "it is there, and disagrees on: coupling"));
+    for (report, [here, there]) in [(&first, [100, 101]), (&second, [101, 100])] {
+        let found = format!(
+            "it is there, and disagrees on: coupling: {here} N/m and 0 N·s/m here, {there} N/m and 0 N·s/m there"
+        );
+        assert_eq!(item(report, "partner"), ("failed", found.as_str()));
         assert_eq!(report["verdict"], "failed");
     }
     assert!(outputs.iter().all(|output| output.status.code() == Some(1)), "{outputs:?}");

@@ -121,6 +121,24 @@ fn law_a_handle_that_moves_too_fast_is_seen_whatever_velocity_the_device_reports
 }
 
 #[test]
+fn law_a_handle_that_moves_is_not_at_rest_whatever_velocity_the_device_reports() {
+    let mut pair = Pair::with([&study(), &study()], 0.02, |settings| settings);
+    pair.run(200, |_, _| {});
+    assert_eq!(pair.phases(), [Phase::Consenting; 2]);
+    // within the distance all the time, at 0.2 m/s, by a device that reports no velocity
+    let mut phases = Vec::new();
+    for _ in 0..90 {
+        pair.devices[0].change(|script| script.position[0] += 2e-4);
+        pair.tick();
+        phases.push(pair.phases()[0]);
+    }
+    assert!(phases[15..].iter().all(|phase| *phase == Phase::Aligning), "{phases:?}");
+    // it rests again
+    pair.run(100, |_, _| {});
+    assert_eq!(pair.phases(), [Phase::Consenting; 2]);
+}
+
+#[test]
 fn law_a_limit_that_stays_broken_is_told_once_and_asks_for_no_greeting_at_every_tick() {
     let mut pair = running();
     pair.devices[0].change(|script| script.velocity = [0.0, -3.0]);

@@ -224,6 +224,9 @@ fn law_two_sites_with_other_studies_refuse_each_other() {
         let summary = summary(&output);
         assert_eq!(summary["cause"], "refused");
         assert_eq!(summary["disagreement"], "coupling");
+        let told = summary["events"].as_array().unwrap().iter().find(|entry| entry["event"] == "disagreed");
+        let cause = told.unwrap()["cause"].as_str().unwrap();
+        assert!(cause.contains("101 N/m") && cause.contains("100 N/m"), "{cause}");
         assert_eq!(summary["largest_force"], 0.0);
         assert_eq!(summary["coupled_share"], 0.0);
     }

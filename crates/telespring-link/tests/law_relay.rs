@@ -185,7 +185,7 @@ fn next(site: &mut Iroh, among: &[PathEvent]) -> PathEvent {
 }
 
 #[test]
-fn law_a_direct_way_that_fails_is_told_and_the_relay_takes_over_only_with_leave() {
+fn law_a_direct_way_that_fails_is_told_and_found_again_and_the_relay_takes_over_only_with_leave() {
     for relayed in [true, false] {
         let name = format!("over-{relayed}");
         let Some((_relay, mut settings)) = sites(&name, APART, [relayed; 2]) else { return };
@@ -217,6 +217,18 @@ fn law_a_direct_way_that_fails_is_told_and_the_relay_takes_over_only_with_leave(
             exchange(second, first, b"and back");
         } else {
             nothing_comes(&mut sites, 2);
+            // iroh does not try the addresses that it was given again, unless the two connect anew
+            path.is_cut.store(false, Relaxed);
+            for site in &mut sites {
+                let start = Instant::now();
+                while site.poll_path() != Some(PathEvent::Direct) {
+                    assert!(start.elapsed() < Duration::from_secs(90), "the direct way is not found again");
+                    std::thread::sleep(Duration::from_millis(1));
+                }
+            }
+            let [first, second] = &mut sites;
+            exchange(first, second, b"directly again");
+            exchange(second, first, b"and back");
         }
     }
 }

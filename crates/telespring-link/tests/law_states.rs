@@ -105,9 +105,11 @@ fn law_whoever_moves_away_before_the_force_begins_must_align_and_consent_anew() 
     let mut pair = consenting();
     pair.order(0, Order::Consent);
     pair.run(100, |_, _| {});
-    // a little is forgiven
-    pair.devices[1].change(|script| script.position = [0.029, 0.0]);
-    pair.run(200, |_, _| {});
+    // a little is forgiven, slowly
+    for _ in 0..300 {
+        pair.devices[1].change(|script| script.position[0] += 3e-5);
+        pair.tick();
+    }
     assert_eq!(pair.phases(), [Phase::Consenting; 2]);
     pair.devices[1].change(|script| script.position = [0.031, 0.0]);
     pair.run(200, |_, _| {});

@@ -149,7 +149,7 @@ fn law_a_greeting_of_another_version_is_refused_with_the_reason() {
     let trace = site.finish();
     assert_eq!(judge(&trace.moments, &rules()).largest_force, 0.0);
     assert_eq!((trace.summary.cause, trace.summary.disagreement), (Some("refused"), Some("version")));
-    assert!(trace.has("disagreed", Some("version")));
+    assert!(trace.has("disagreed", Some("version: greeting 3 here, greeting 4 there")));
 }
 
 #[test]

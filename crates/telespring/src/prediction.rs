@@ -10,7 +10,7 @@
 //! The settled filter is that of Kalman and Bucy (1961): in continuous time the error covariance of n integrators behind
 //! white noise q, with position noise of density r, gives a Butterworth filter d(s) of cut-off ω = (q/r)^(1/2n), n = 2
 //! for constant velocity and 3 for constant acceleration. Samples of standard deviation σ at every period h have the
-//! density r = σ² h. With d(0) = 1 the estimates are the truncations of d: x̂ = [d]₀ⁿ⁻¹, v̂ = s [d]₀ⁿ⁻², â = s² [d]₀ⁿ⁻³.
+//! density r = σ² h. With d(0) = 1 the estimates are the truncations of d: x̂ = \[d\]₀ⁿ⁻¹, v̂ = s \[d\]₀ⁿ⁻², â = s² \[d\]₀ⁿ⁻³.
 
 use num_complex::Complex64;
 

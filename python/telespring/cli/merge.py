@@ -80,7 +80,8 @@ def _merge_recordings(parts: list[Path], out: Path | None, *, as_json: bool) -> 
             "A.mcap B.mcap",
             ", ".join(map(str, parts)),
             "two recordings, or folders of shares",
-            "Name the recordings of both sites; or the folder that was given as --out with --shard.",
+            "Name the recordings of both sites of one session, which telespring connect prints; or the "
+            "folder that was given as --out with --shard.",
         )
     if out is None:
         raise InvalidInput("--out", "", "a file for the merged recording", "Write --out session.mcap.")

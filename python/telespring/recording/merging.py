@@ -125,7 +125,7 @@ def _check_pair(sides: list[SideRecording]) -> None:
                 "session",
                 f"{_named(partner, partner.session[:20])}, but {own.path.name} heard {', '.join(heard[:3])}",
                 "both files must be of one session",
-                "Name the two files of one session: their names end alike.",
+                "Name the two files of one session: their names begin with about the same time.",
             )
     if not one.partner_sessions and not other.partner_sessions:
         raise InvalidInput(

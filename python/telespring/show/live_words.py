@@ -164,8 +164,15 @@ def describe_watchdog(status: Line) -> str:
 
 
 def describe_cause(word: str) -> str:
-    """Write why something happened; a word that is not known as it is."""
-    return _CAUSES.get(word, _plain(word))
+    """Write why something happened; a word that is not known as it is.
+
+    Examples
+    --------
+    >>> describe_cause("axes: 2 axes here, 1 axes there")
+    'the number of axes: 2 axes here, 1 axes there'
+    """
+    head, colon, details = word.partition(": ")
+    return _CAUSES[head] + colon + _printable(details) if head in _CAUSES else _plain(word)
 
 
 def describe_event(event: Line) -> str:

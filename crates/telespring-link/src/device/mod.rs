@@ -7,6 +7,7 @@ pub mod protocol;
 pub mod request;
 mod simulated;
 mod udp;
+mod unread;
 
 pub use simulated::Simulated;
 pub use udp::UdpDevice;

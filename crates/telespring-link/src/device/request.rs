@@ -3,6 +3,8 @@
 use super::protocol::{VERSION, bytes, values};
 use crate::operator::{Label, Mark, MarkKind, Order};
 
+/// Orders that wait at most.
+const MOST: usize = 8;
 /// Values in the row.
 pub const REQUEST_VALUES: usize = 4;
 
@@ -58,9 +60,74 @@ impl Request {
     }
 }
 
+/// Orders of a device that wait for the loop.
+#[derive(Debug)]
+pub(super) struct Requests {
+    /// The number of the newest one.
+    newest: f64,
+    /// Oldest first.
+    waiting: [Option<Order>; MOST],
+}
+
+impl Default for Requests {
+    fn default() -> Self {
+        Self { newest: f64::NEG_INFINITY, waiting: [None; MOST] }
+    }
+}
+
+impl Requests {
+    /// Takes an order, if it is newer than all before and there is room. One that lets go takes the place of one that does not.
+    /// False if an order is lost by that.
+    pub(super) fn take(&mut self, Request { sequence, order }: Request) -> bool {
+        if sequence <= self.newest {
+            return false;
+        }
+        let may_yield = |waiting: &Order| order.lets_go() && !waiting.lets_go();
+        let free = self.waiting.iter().position(Option::is_none);
+        let place =
+            free.or_else(|| self.waiting.iter().rposition(|waiting| waiting.as_ref().is_some_and(may_yield)));
+        if let Some(place) = place.and_then(|place| self.waiting.get_mut(place)) {
+            (self.newest, *place) = (sequence, Some(order));
+        }
+        free.is_some()
+    }
+
+    /// The oldest order that nobody has asked for yet.
+    pub(super) fn poll(&mut self) -> Option<Order> {
+        let oldest = self.waiting.first_mut().and_then(Option::take);
+        self.waiting.rotate_left(usize::from(oldest.is_some()));
+        oldest
+    }
+
+    /// The device program was started anew: it counts its orders from the beginning.
+    pub(super) fn begin_anew(&mut self) {
+        self.newest = f64::NEG_INFINITY;
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn law_orders_wait_for_the_loop_and_one_that_lets_go_finds_a_place_among_many() {
+        let mut requests = Requests::default();
+        let mut take = |sequence: u32, order| requests.take(Request { sequence: sequence.into(), order });
+        let mark = Order::Mark(Mark { kind: MarkKind::Trial, label: Label::number(7) });
+        let taken: Vec<u32> = (1..20).filter(|sequence| take(*sequence, mark)).collect();
+        assert_eq!(taken, (1..=8).collect::<Vec<u32>>());
+        // in the place of the newest one that holds nobody
+        assert!(!take(20, Order::Withdraw) && !take(21, Order::Consent) && !take(20, Order::Stop));
+        let mut orders: Vec<_> = std::iter::from_fn(|| requests.poll()).collect();
+        assert_eq!((orders.len(), orders.pop()), (MOST, Some(Order::Withdraw)));
+        assert!(orders.iter().all(|order| *order == mark));
+        // one that found no place may come again, one that did may not
+        let mut take = |sequence: u32, order| requests.take(Request { sequence: sequence.into(), order });
+        assert!(!take(20, Order::Withdraw) && take(21, Order::Consent));
+        requests.begin_anew();
+        assert!(requests.take(Request { sequence: 0.0, order: Order::Clear }));
+        assert_eq!([requests.poll(), requests.poll()], [Some(Order::Consent), Some(Order::Clear)]);
+    }
 
     #[test]
     fn law_an_order_of_a_device_is_read_and_everything_else_is_no_data() {

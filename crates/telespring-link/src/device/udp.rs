@@ -7,44 +7,14 @@ use std::os::fd::{AsFd, BorrowedFd};
 use telespring::session::{LocalTime, Span};
 
 use super::protocol::{Order, State};
-use super::request::Request;
+use super::request::{Request, Requests};
+use super::unread::Unread;
 use super::{Command, Device, Fault, Reading, Stamp};
 use crate::operator;
 use crate::transport::{ROOM, Transport, Udp};
 
 /// Rows that are looked at in one tick: as many as wait in a socket after a standstill.
 const MOST_ROWS: usize = 512;
-/// Orders of the device that wait.
-const MOST_REQUESTS: usize = 8;
-
-/// What the rows since the latest reading say together.
-#[derive(Debug, Clone, Copy, Default)]
-struct Unread {
-    rows: u32,
-    /// Sum of the measured forces, N, and their number.
-    force: ([f64; 2], u32),
-    /// A stop, or motors that may not act, in any row: another one behind it undoes nothing.
-    was_unready: bool,
-    was_stopped: bool,
-}
-
-impl Unread {
-    fn add(&mut self, state: &State) {
-        self.rows += 1;
-        self.was_unready |= !(state.is_enabled && state.is_homed);
-        self.was_stopped |= state.is_stopped;
-        if let Some(force) = state.measured_force {
-            let (sum, count) = self.force;
-            self.force = ([0, 1].map(|axis| sum[axis] + force[axis]), count + 1);
-        }
-    }
-
-    /// The mean of the measured forces, N.
-    fn force(&self) -> Option<[f64; 2]> {
-        let (sum, count) = self.force;
-        (count > 0).then(|| sum.map(|sum| sum / f64::from(count)))
-    }
-}
 
 /// A robot whose program speaks the device protocol (`docs/device-protocol.md`).
 #[derive(Debug)]
@@ -58,9 +28,7 @@ pub struct UdpDevice {
     unread: Unread,
     orders: u64,
     refused: u64,
-    /// The newest order of the device, and those that wait, oldest first.
-    requested: f64,
-    requests: [Option<operator::Order>; MOST_REQUESTS],
+    requests: Requests,
 }
 
 impl UdpDevice {
@@ -90,8 +58,7 @@ impl UdpDevice {
             unread: Unread::default(),
             orders: 0,
             refused: 0,
-            requested: f64::NEG_INFINITY,
-            requests: [None; MOST_REQUESTS],
+            requests: Requests::default(),
         })
     }
 
@@ -104,7 +71,8 @@ impl UdpDevice {
     /// beginning, and is not believed before the former one has been silent for the deadline.
     fn take(&mut self, row: &[u8]) -> Option<State> {
         if let Some(request) = Request::decode(row) {
-            self.take_request(request);
+            let is_lost = !self.requests.take(request);
+            self.refused = self.refused.saturating_add(u64::from(is_lost));
             return None;
         }
         let newest = self.newest.map_or(f64::NEG_INFINITY, |state| state.sequence);
@@ -113,30 +81,13 @@ impl UdpDevice {
             Some(State { sequence, .. }) => {
                 // It counts anew, so it was started anew, and so do its orders. One that goes on may repeat an old order.
                 if self.former.take().is_some_and(|former| sequence <= former) {
-                    self.requested = f64::NEG_INFINITY;
+                    self.requests.begin_anew();
                 }
                 self.newest = state;
             }
             None => self.refused = self.refused.saturating_add(1),
         }
         state
-    }
-
-    /// Takes an order, if it is newer than all before and there is room. One that lets go takes the place of one that does not.
-    fn take_request(&mut self, Request { sequence, order }: Request) {
-        if sequence > self.requested {
-            let may_yield = |waiting: &operator::Order| order.lets_go() && !waiting.lets_go();
-            let free = self.requests.iter().position(Option::is_none);
-            let place = free.or_else(|| {
-                self.requests.iter().rposition(|waiting| waiting.as_ref().is_some_and(may_yield))
-            });
-            self.refused += u64::from(free.is_none());
-            if let Some(place) = place.and_then(|place| self.requests.get_mut(place)) {
-                (self.requested, *place) = (sequence, Some(order));
-            }
-        } else {
-            self.refused = self.refused.saturating_add(1);
-        }
     }
 }
 
@@ -183,9 +134,7 @@ impl Device for UdpDevice {
     }
 
     fn poll_order(&mut self) -> Option<operator::Order> {
-        let oldest = self.requests.first_mut().and_then(Option::take);
-        self.requests.rotate_left(usize::from(oldest.is_some()));
-        oldest
+        self.requests.poll()
     }
 
     fn lacks(&self) -> Option<&'static str> {
@@ -297,11 +246,6 @@ mod tests {
         let orders: Vec<_> = std::iter::from_fn(|| device.poll_order()).collect();
         assert_eq!(orders, [Consent, Pause, Stop]);
         assert_eq!(device.refused(), 3);
-        for sequence in 10..30 {
-            robot.send_row(&Request::encode(f64::from(sequence), 1.0, 0.0));
-        }
-        device.read(LocalTime(0)).unwrap();
-        assert_eq!(std::iter::from_fn(|| device.poll_order()).count(), MOST_REQUESTS);
     }
 
     #[test]
@@ -360,21 +304,6 @@ mod tests {
         }
         std::thread::sleep(std::time::Duration::from_millis(50));
         assert_eq!(device.read(LocalTime(0)).unwrap().motion.unwrap().position[0], 200.0);
-    }
-
-    #[test]
-    fn law_an_order_that_lets_go_finds_a_place_among_many() {
-        use crate::operator::Order::{Consent, Withdraw};
-        let (robot, mut device) = Robot::pair();
-        for sequence in 1..20 {
-            robot.0.send(&Request::encode(f64::from(sequence), 11.0, 7.0)).unwrap();
-        }
-        robot.0.send(&Request::encode(20.0, 2.0, 0.0)).unwrap();
-        robot.send_row(&Request::encode(21.0, 1.0, 0.0));
-        device.read(LocalTime(0)).unwrap();
-        let orders: Vec<_> = std::iter::from_fn(|| device.poll_order()).collect();
-        assert_eq!((orders.len(), orders.last()), (MOST_REQUESTS, Some(&Withdraw)));
-        assert!(!orders.contains(&Consent) && device.refused() == 13);
     }
 
     #[test]

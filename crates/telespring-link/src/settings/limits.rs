@@ -5,33 +5,49 @@ use telespring::InvalidInput;
 
 use crate::site::Limits;
 
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields)]
-pub(super) struct Text {
-    force: Option<f64>,
-    rise: Option<f64>,
-    velocity: Option<f64>,
-    #[serde(default)]
-    workspace: Workspace,
-    scale: Option<f64>,
-    #[serde(default)]
-    lock: Vec<Axis>,
-    person: Option<Person>,
+/// A table of limits: serde cannot both share keys and refuse unknown ones.
+macro_rules! table {
+    ($(#[$about:meta])* $name:ident $(, $more:ident: $kind:ty)?) => {
+        $(#[$about])*
+        #[derive(Deserialize, Default)]
+        #[serde(deny_unknown_fields)]
+        pub(super) struct $name {
+            force: Option<f64>,
+            rise: Option<f64>,
+            velocity: Option<f64>,
+            #[serde(default)]
+            workspace: Workspace,
+            scale: Option<f64>,
+            #[serde(default)]
+            lock: Vec<Axis>,
+            $($more: $kind,)?
+        }
+
+        impl $name {
+            /// The limits: those of `usual` where none is given.
+            fn over(&self, usual: Limits) -> Limits {
+                let [x, y] = usual.workspace;
+                Limits {
+                    force: self.force.unwrap_or(usual.force),
+                    rise: self.rise.unwrap_or(usual.rise),
+                    velocity: self.velocity.unwrap_or(usual.velocity),
+                    workspace: [self.workspace.x.unwrap_or(x), self.workspace.y.unwrap_or(y)],
+                    scale: self.scale.unwrap_or(usual.scale),
+                    lock: [self.lock.contains(&Axis::X), self.lock.contains(&Axis::Y)],
+                }
+            }
+        }
+    };
 }
 
-/// As [`Text`], for the person.
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields)]
-struct Person {
-    force: Option<f64>,
-    rise: Option<f64>,
-    velocity: Option<f64>,
-    #[serde(default)]
-    workspace: Workspace,
-    scale: Option<f64>,
-    #[serde(default)]
-    lock: Vec<Axis>,
-}
+table!(
+    /// What the file says for the robot.
+    Text, person: Option<Person>
+);
+table!(
+    /// What it says for the person.
+    Person
+);
 
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields)]
@@ -47,31 +63,12 @@ enum Axis {
     Y,
 }
 
-/// Limits that are those of `usual` where none is given: force, rise, velocity and scale.
-fn limits(
-    usual: Limits,
-    [force, rise, velocity, scale]: [Option<f64>; 4],
-    workspace: &Workspace,
-    lock: &[Axis],
-) -> Limits {
-    let [x, y] = usual.workspace;
-    Limits {
-        force: force.unwrap_or(usual.force),
-        rise: rise.unwrap_or(usual.rise),
-        velocity: velocity.unwrap_or(usual.velocity),
-        workspace: [workspace.x.unwrap_or(x), workspace.y.unwrap_or(y)],
-        scale: scale.unwrap_or(usual.scale),
-        lock: [lock.contains(&Axis::X), lock.contains(&Axis::Y)],
-    }
-}
-
 /// The tighter of both.
 pub(super) fn read(text: &Text) -> Result<Limits, InvalidInput> {
-    let Text { force, rise, velocity, workspace, scale, lock, person } = text;
-    let robot = limits(Limits::default(), [*force, *rise, *velocity, *scale], workspace, lock);
+    let robot = text.over(Limits::default());
     robot.check()?;
-    let Some(Person { force, rise, velocity, workspace, scale, lock }) = person else { return Ok(robot) };
-    let person = limits(Limits::NONE, [*force, *rise, *velocity, *scale], workspace, lock);
+    let Some(person) = &text.person else { return Ok(robot) };
+    let person = person.over(Limits::NONE);
     person.check().map_err(|mut refusal| {
         refusal.field = refusal.field.replace("limits.", "limits.person.");
         refusal

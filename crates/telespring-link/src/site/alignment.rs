@@ -35,12 +35,12 @@ impl Alignment {
         Some([u - x, v - y])
     }
 
-    /// Whether the handles are aligned; `was`: they were at the last tick.
-    pub(super) fn judge(&self, own: Option<&Motion>, offset: Option<[f64; 2]>, was: bool) -> bool {
+    /// Whether the handles are aligned, by the speed of the own one, m/s, and the way to the partner's, m; `was`: they were at the
+    /// last tick.
+    pub(super) fn judge(&self, speed: Option<f64>, offset: Option<[f64; 2]>, was: bool) -> bool {
         let slack = if was { SLACK } else { 1.0 };
-        let (Some(own), Some([x, y])) = (own, offset) else { return false };
-        let [u, v] = own.velocity;
-        x.hypot(y) <= slack * self.distance && u.hypot(v) <= slack * self.speed
+        let (Some(speed), Some([x, y])) = (speed, offset) else { return false };
+        x.hypot(y) <= slack * self.distance && speed <= slack * self.speed
     }
 
     /// Says how far the handles are apart, if that is news: always as the way that robot 2 has to go, so that both sites say

@@ -8,7 +8,7 @@ use super::round_trip::RoundTrips;
 use super::{Happened, Interruption, Phase, Site};
 use crate::clock::Clock;
 use crate::device::Device;
-use crate::hello::{Disagreement, Greeting, NoGreeting};
+use crate::hello::{Greeting, NoGreeting};
 use crate::transport::{ROOM, Transport};
 
 /// Datagrams that are looked at in one tick; the rest waits, or is lost in the kernel's buffer.
@@ -31,9 +31,11 @@ impl<D: Device, T: Transport> Site<D, T> {
     fn take(&mut self, now: LocalTime, datagram: &[u8]) {
         match Greeting::decode(datagram) {
             Ok(greeting) => self.hear(now, &greeting),
-            Err(NoGreeting::OtherVersion) => {
-                if self.phase == Phase::Connecting && self.greeter.note_version(now) {
-                    self.log.push(now, Happened::Disagreed(Disagreement::Version));
+            Err(NoGreeting::OtherVersion(version)) => {
+                if self.phase == Phase::Connecting
+                    && let Some(difference) = self.greeter.note_version(now, version)
+                {
+                    self.log.push(now, Happened::Disagreed(difference));
                 }
             }
             Err(NoGreeting::Foreign) => self.take_packet(now, datagram),
@@ -46,9 +48,9 @@ impl<D: Device, T: Transport> Site<D, T> {
         match self.greeter.hear(now, greeting, self.is_idle()) {
             Heard::Nothing => {}
             Heard::Refusable => self.tally.strange_greetings += 1,
-            Heard::Disagreed(disagreement) => {
+            Heard::Disagreed(difference) => {
                 self.interrupt(now, Interruption::PartnerChanged);
-                self.log.push(now, Happened::Disagreed(disagreement));
+                self.log.push(now, Happened::Disagreed(difference));
             }
             Heard::Agreed(session) => {
                 self.interrupt(now, Interruption::PartnerChanged);

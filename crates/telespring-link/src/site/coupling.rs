@@ -50,7 +50,7 @@ impl<D: Device, T: Transport> Site<D, T> {
         if let Coupling::Falling { since } = self.coupling
             && now - since >= self.safety.ramp_out
         {
-            self.uncouple();
+            self.coupling = Coupling::Off;
             if let Some((_, cause)) = self.left {
                 self.end(now, cause);
             }
@@ -69,12 +69,11 @@ impl<D: Device, T: Transport> Site<D, T> {
         let knows_network = self.knows_network();
         let is_inside = self.handle.is_some_and(|motion| self.limits.holds(motion.position));
         let is_resting = self.is_resting();
+        let speed = self.motion.and_then(|motion| self.travel.speed(motion.velocity, self.lock));
         let own = &mut self.accord.own;
         let was = std::mem::replace(&mut own.is_aligned, false);
-        own.is_aligned = self.alignment.judge(self.motion.as_ref(), self.offset, was)
-            && is_inside
-            && is_resting
-            && knows_network;
+        own.is_aligned =
+            self.alignment.judge(speed, self.offset, was) && is_inside && is_resting && knows_network;
         let position = self.motion.map(|motion| motion.position.map(|value| value as f32));
         own.position =
             position.filter(|place| place.iter().all(|value| value.abs() <= crate::hello::MAX_POSITION));
@@ -169,19 +168,13 @@ impl<D: Device, T: Transport> Site<D, T> {
         self.heard = None;
     }
 
-    /// The coupling is over: nothing acts.
-    fn uncouple(&mut self) {
-        self.coupling = Coupling::Off;
-        self.gate.close();
-    }
-
     /// The coupling ends for now, suddenly or along a ramp, and this side takes back its consent.
     pub(super) fn interrupt(&mut self, now: LocalTime, interruption: Interruption) {
         if self.phase == Phase::Ended {
             return;
         }
         if interruption.is_sudden() && self.coupling != Coupling::Off {
-            self.uncouple();
+            self.coupling = Coupling::Off;
             if let Some((_, cause)) = self.left {
                 return self.end(now, cause);
             }
@@ -290,7 +283,7 @@ impl<D: Device, T: Transport> Site<D, T> {
     /// Ends at once: the force is zero from now on.
     pub(super) fn end(&mut self, now: LocalTime, cause: Cause) {
         if self.phase != Phase::Ended {
-            self.uncouple();
+            self.coupling = Coupling::Off;
             self.accord.part();
             self.phase = Phase::Ended;
             self.left = Some((now, cause));
@@ -314,7 +307,7 @@ impl<D: Device, T: Transport> Site<D, T> {
     /// The force from now on.
     pub(super) fn force(&mut self, now: LocalTime) -> [f64; 2] {
         if self.coupling == Coupling::Off {
-            self.gate.close();
+            self.gate.close(now);
             return [0.0; 2];
         }
         let wanted = self.endpoint.force(now);

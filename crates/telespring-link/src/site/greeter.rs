@@ -2,10 +2,10 @@
 
 use telespring::session::{LocalTime, Span};
 
-use crate::hello::{Disagreement, Greeting, Purpose, Stamps, Stance, Terms};
+use crate::hello::{Difference, Disagreement, Greeting, Purpose, Stamps, Stance, Terms};
 
 /// What a greeting meant.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Heard {
     /// Nothing new.
     Nothing,
@@ -14,7 +14,7 @@ pub(super) enum Heard {
     /// It is not for this session, or comes while the session has another partner.
     Refusable,
     /// The two sides do not agree; said once per disagreement.
-    Disagreed(Disagreement),
+    Disagreed(Difference),
     /// This side agrees to the partner's terms.
     Agreed(u64),
     /// The partner says goodbye.
@@ -83,9 +83,10 @@ impl Greeter {
         self.is_accepted = true;
     }
 
-    /// A greeting of another version came; true if that is news.
-    pub(super) fn note_version(&mut self, now: LocalTime) -> bool {
-        self.refuse(now, Disagreement::Version, true)
+    /// A greeting of another version came; on what the two sides disagree then, if that is news.
+    pub(super) fn note_version(&mut self, now: LocalTime, version: u8) -> Option<Difference> {
+        let is_news = self.refuse(now, Disagreement::Version, true);
+        is_news.then(|| Difference::of_version(version))
     }
 
     /// True if the disagreement is news.
@@ -112,16 +113,17 @@ impl Greeter {
             let is_ours = is_known && greeting.accepted == self.session;
             return if is_ours { Heard::Left } else { Heard::Refusable };
         }
-        let own = self.terms.disagreement(&greeting.terms);
-        if let Some(disagreement) = own.or(greeting.refusal) {
+        let own = self.terms.difference(&greeting.terms);
+        let said = greeting.refusal.map(Difference::said_there);
+        if let Some(difference) = own.or(said) {
             if !is_idle {
                 return Heard::Refusable;
             }
             if is_known {
                 (self.partner, self.is_accepted) = (None, false);
             }
-            return if self.refuse(now, disagreement, own.is_some()) {
-                Heard::Disagreed(disagreement)
+            return if self.refuse(now, difference.on, own.is_some()) {
+                Heard::Disagreed(difference)
             } else {
                 Heard::Nothing
             };

@@ -1,9 +1,10 @@
 //! What the force and the handle may do at most, for the robot and for the person.
 
 use telespring::InvalidInput;
-use telespring::session::{LocalTime, Motion, Span};
+use telespring::session::Motion;
 
 use super::Interruption;
+use super::travel::Travel;
 
 /// The limits of one site. Where robot and person have limits of their own, the tighter one holds ([`Limits::and`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -92,53 +93,17 @@ impl Limits {
         position.iter().zip(self.workspace).all(|(value, [least, most])| (least..=most).contains(value))
     }
 
-    /// The limit of the handle that this motion breaks; `travel` is the speed that the positions show. What is not a number is
+    /// The limit of the handle that this motion breaks; `travel` is what its positions show. What is not a number is
     /// for the endpoint to refuse.
     pub(super) fn broken(&self, motion: &Motion, travel: &Travel) -> Option<Interruption> {
         let [x, y] = motion.position;
         let [u, v] = motion.velocity;
         if x.is_finite() && y.is_finite() && !self.holds(motion.position) {
             Some(Interruption::Workspace)
-        } else if u.hypot(v) > self.velocity || travel.speed > SLACK * self.velocity {
+        } else if travel.speed(motion.velocity, [false; 2]).unwrap_or(u.hypot(v)) > self.velocity {
             Some(Interruption::Velocity)
         } else {
             None
         }
-    }
-}
-
-/// Positions count as a speed over this time at the least: a tick that is early or late by a fraction of a period is no motion.
-const WINDOW: Span = Span(10_000_000);
-/// The speed of the positions may be so many times as high as that which the device reports.
-const SLACK: f64 = 1.25;
-
-/// How fast the positions change: a device may report no velocity, or a false one, and a sensor may jump.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Travel {
-    from: Option<(LocalTime, [f64; 2])>,
-    /// m/s.
-    speed: f64,
-}
-
-impl Travel {
-    /// Takes a motion measured at `now`.
-    pub(super) fn take(&mut self, now: LocalTime, motion: &Motion) {
-        if motion.impossible_value().is_some() {
-            return;
-        }
-        let ([x, y], here) = (motion.position, (now, motion.position));
-        match self.from {
-            Some((then, [u, v])) if now - then >= WINDOW => {
-                self.speed = (x - u).hypot(y - v) / (now - then).seconds();
-                self.from = Some(here);
-            }
-            Some(_) => {}
-            None => self.from = Some(here),
-        }
-    }
-
-    /// What comes next does not continue this.
-    pub(super) fn forget(&mut self) {
-        *self = Self::default();
     }
 }

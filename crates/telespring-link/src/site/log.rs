@@ -3,7 +3,7 @@
 use telespring::session::{EventKind, LocalTime};
 
 use super::{Badness, Cause, Interruption, Limit, Phase};
-use crate::hello::Disagreement;
+use crate::hello::Difference;
 use crate::operator::{Mark, Order};
 use crate::transport::PathEvent;
 
@@ -20,7 +20,7 @@ pub enum Happened {
         session: u64,
     },
     /// The two sides do not agree.
-    Disagreed(Disagreement),
+    Disagreed(Difference),
     /// The state of the session is another one.
     Entered(Phase),
     /// The handles are apart: the way that robot 2 would have to go to where robot 1 is, m.

@@ -76,11 +76,18 @@ impl<D: Device, T: Transport> Site<D, T> {
         if let Some(target) = reading.target {
             self.endpoint.handle_target(now, target);
         }
-        if self.transport.is_due()
+        if self.coupling != Coupling::Off
+            && self.transport.is_due()
             && let Some(packet) = self.endpoint.poll_transmit(now)
         {
             self.transport.send(now, &packet);
         }
+    }
+
+    /// Whether the account still owes what acted before the coupling ended: its last moment, or the time in which the device was
+    /// silent.
+    pub(super) fn owes(&self, reading: &Reading) -> bool {
+        !self.gate.is_settled() && reading.motion.is_some_and(|motion| !is_impossible(motion))
     }
 
     /// The force that the device has measured, if it can be: the account believes it.

@@ -45,7 +45,7 @@ pub fn event_words(happened: &Happened) -> (&'static str, Option<String>) {
     let because = |word: &str| Some(word.to_owned());
     match happened {
         Happened::Agreed { session } => ("agreed", Some(format!("{session:#018x}"))),
-        Happened::Disagreed(disagreement) => ("disagreed", because(disagreement.word())),
+        Happened::Disagreed(difference) => ("disagreed", Some(difference.to_string())),
         Happened::Entered(phase) => ("phase", because(phase.word())),
         Happened::Offset(way) => ("offset", Some(way_in_words(*way))),
         Happened::Consented => ("consented", None),

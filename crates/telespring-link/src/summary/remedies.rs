@@ -12,7 +12,7 @@ pub(super) fn remedy(happened: &Happened) -> Option<&'static str> {
         Happened::Interrupted(interruption) => return of_interruption(*interruption),
         Happened::Path(event) => return of_path(*event),
         Happened::OrderRefused { order, phase } => of_order(order, *phase),
-        Happened::Disagreed(disagreement) => disagreement.remedy(),
+        Happened::Disagreed(difference) => difference.on.remedy(),
         Happened::Offset(_) => "Then let both handles rest.",
         Happened::EmergencyStop { is_own: true } => "Release the emergency stop, then order clear.",
         Happened::EmergencyStop { is_own: false } => {

@@ -19,7 +19,7 @@ const FASTEST_DECAY: f64 = 5.0;
 /// # Errors
 ///
 /// [`InvalidInput`] if the delay or the decay rate is out of range, their product exceeds 5, the rate is 0 and
-/// an undamped side makes the critical stiffness 0, or the search does not end, as for [`maximum_stiffness`].
+/// an undamped side makes the critical stiffness 0, or the search does not end, as for [`maximum_stiffness`](super::maximum_stiffness).
 ///
 /// # Examples
 ///

@@ -19,7 +19,7 @@ use crate::quantity;
 ///
 /// # Errors
 ///
-/// [`InvalidInput`] if the delay (s) is out of range, or if masses, dampings and stiffnesses differ by so many
+/// [`InvalidInput`](crate::InvalidInput) if the delay (s) is out of range, or if masses, dampings and stiffnesses differ by so many
 /// decades that the search does not end or finds nothing.
 ///
 /// # Examples
@@ -99,7 +99,7 @@ fn first_crossing_stiffness(axis: &DyadAxis, low: f64, delay: f64) -> Result<f64
 ///
 /// # Errors
 ///
-/// [`InvalidInput`] if the stiffness or the delay is out of range, or if the search does not end, as for
+/// [`InvalidInput`](crate::InvalidInput) if the stiffness or the delay is out of range, or if the search does not end, as for
 /// [`maximum_stiffness`].
 ///
 /// # Examples

@@ -22,7 +22,7 @@ impl ConnectedMode {
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] with the field.
+    /// [`InvalidInput`](crate::InvalidInput) with the field.
     pub fn check(&self) -> Result<()> {
         quantity::STIFFNESS.check("stiffness", self.stiffness)?;
         quantity::DAMPING.check("coupling_damping", self.damping)?;
@@ -59,7 +59,7 @@ impl Laboratory {
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] with the setting that is refused.
+    /// [`InvalidInput`](crate::InvalidInput) with the setting that is refused.
     pub fn check_session(&self, coupling: &ConnectedMode) -> Result<()> {
         for side in 0..2 {
             let facts = self.side_facts(side, coupling);

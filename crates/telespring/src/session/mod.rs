@@ -18,6 +18,7 @@
 //! | [`watchdog`] | whether the force may act: hold, ramp out, begin again from zero |
 //! | [`event`] | what happened, and why |
 //! | [`endpoint`] | one side: all of it together |
+//! | [`gate`] | what goes on to the device of the endpoint's force |
 //! | [`architecture`] | strategy, predictor and play-out by name, as plain data |
 //!
 //! After its construction an endpoint allocates nothing, takes no lock, reads no clock and does not panic, whatever
@@ -33,6 +34,7 @@ pub mod architecture;
 pub mod clock;
 pub mod endpoint;
 pub mod event;
+pub mod gate;
 pub mod law;
 pub mod motion;
 mod pair;

@@ -108,7 +108,7 @@ impl Study {
     }
 
     /// Whether the study names what holds a handle in its rehearsal: whether its file has one of the sections
-    /// [arm1], [arm2], [agent1] and [agent2], even with the default values.
+    /// `[arm1]`, `[arm2]`, `[agent1]` and `[agent2]`, even with the default values.
     pub fn names_arms_or_agents(&self) -> bool {
         self.holders.0
     }

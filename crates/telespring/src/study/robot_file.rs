@@ -9,7 +9,7 @@ use crate::error::{InvalidInput, Result};
 /// The key of a robot's spring to the ground.
 const SPRING: &str = "ground_stiffness";
 
-/// A robot file: the section [robot] with the keys of [robot1] in a study, and as a record [identification].
+/// A robot file: the section `[robot]` with the keys of `[robot1]` in a study, and as a record `[identification]`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RobotFile {
     name: String,
@@ -110,7 +110,7 @@ impl RobotFile {
             format!("{} See {place} in {}.", refusal.remedy.replace(&of_study, of_file), self.name);
     }
 
-    /// What the section [identification] of a robot file records; nothing where it is missing.
+    /// What the section `[identification]` of a robot file records; nothing where it is missing.
     ///
     /// # Errors
     ///

@@ -14,7 +14,7 @@ use crate::rig::{Adversary, Arm, Handle};
 use crate::session::Architecture;
 
 impl AgentChoice {
-    /// Reads an agent from a table with the keys of the section [agent1]; without a kind it is a skilled one.
+    /// Reads an agent from a table with the keys of the section `[agent1]`; without a kind it is a skilled one.
     ///
     /// # Errors
     ///
@@ -36,7 +36,7 @@ impl AgentChoice {
 }
 
 impl Arm {
-    /// Reads an arm from a table with the keys of the section [arm1]; without a kind it is massless.
+    /// Reads an arm from a table with the keys of the section `[arm1]`; without a kind it is massless.
     ///
     /// # Errors
     ///
@@ -49,7 +49,7 @@ impl Arm {
 }
 
 impl Task {
-    /// Reads a task from a table with the keys of the section [task]; without a kind it is the figure eight.
+    /// Reads a task from a table with the keys of the section `[task]`; without a kind it is the figure eight.
     ///
     /// # Errors
     ///
@@ -60,18 +60,18 @@ impl Task {
 }
 
 impl Architecture {
-    /// Reads an architecture from a table with the keys of the section [session]; without keys it is the bare spring.
+    /// Reads an architecture from a table with the keys of the section `[session]`; without keys it is the bare spring.
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`](crate::InvalidInput) if a value is refused, with a field such as `session.strategy.share`.
+    /// [`InvalidInput`] if a value is refused, with a field such as `session.strategy.share`.
     pub fn from_table(table: &Table) -> Result<Self> {
         read_section("session", "session", table, read_session)
     }
 }
 
 impl Handle {
-    /// Reads the handle of a planar robot from a table with the keys of the section [robot1].
+    /// Reads the handle of a planar robot from a table with the keys of the section `[robot1]`.
     ///
     /// # Errors
     ///
@@ -89,7 +89,7 @@ impl Adversary {
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`](crate::InvalidInput) if a value is refused, with a field such as `adversary.memory`.
+    /// [`InvalidInput`] if a value is refused, with a field such as `adversary.memory`.
     pub fn from_table(table: &Table) -> Result<Self> {
         let network = [("adversary".to_owned(), Value::Table(table.clone()))].into_iter().collect();
         let read = read_section("network", "network", &network, |reader| {

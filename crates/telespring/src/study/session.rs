@@ -269,7 +269,7 @@ impl PlayoutDesign {
 }
 
 impl Architecture {
-    /// The keys of the section [session] with their values, defaults filled in; a part with the usual settings is a word.
+    /// The keys of the section `[session]` with their values, defaults filled in; a part with the usual settings is a word.
     ///
     /// # Examples
     ///

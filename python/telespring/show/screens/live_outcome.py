@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Sequence
 from typing import Any
 
@@ -30,10 +31,14 @@ def live_outcome_screen(console: Console, session: LiveSession) -> None:
     console.print(fitting_table("Summary", headings, rows, right=range(1, len(headings))))
     for site in sites:
         console.print(Text(f"Side {site.get('side')}: {_sentence(site)}"))
-    for site in sites:
-        path = recording_path(site)
-        if path is not None:
-            console.print(_recording(path, site["recording"]))
+    paths = [(site, path) for site in sites if (path := recording_path(site)) is not None]
+    for site, path in paths:
+        console.print(_recording(path, site["recording"]))
+    if len(paths) > 1:
+        # one line, so that it can be copied whole
+        names = shlex.join(path for _, path in paths)
+        line = Text(f"Both on one time base: telespring merge {names} --out session.mcap")
+        console.print(line, soft_wrap=True)
 
 
 _ROWS: tuple[tuple[str, tuple[str, ...], float, str], ...] = (

@@ -31,6 +31,8 @@ pub(super) mod reason {
     pub(in super::super) const BUSY: VarInt = VarInt::from_u32(2);
     /// There is a newer connection with the same partner.
     pub(in super::super) const REPLACED: VarInt = VarInt::from_u32(3);
+    /// There is no way that this site allows: it looks for the partner anew.
+    pub(in super::super) const WITHHELD: VarInt = VarInt::from_u32(4);
 }
 
 /// The allow-list. Both the one who dials and the one who is dialled have proven their keys when it is asked.

@@ -158,6 +158,14 @@ impl Links {
         }
     }
 
+    /// Closes every connection, so that the partner is looked for anew: under all its addresses.
+    pub(super) fn renew(&self) {
+        for link in self.links.borrow_mut().drain(..) {
+            link.connection.close(reason::WITHHELD, b"no way that is allowed");
+        }
+        self.changed.notify_waiters();
+    }
+
     /// Whether what comes is taken: not while it may come over a relay that this site does not allow.
     pub(super) fn set_open(&self, is_open: bool) {
         self.is_open.set(is_open);

@@ -12,6 +12,7 @@ mod packet;
 mod quic;
 mod rate;
 mod shared;
+mod withheld;
 
 use std::io::{Error, ErrorKind};
 use std::net::SocketAddr;

@@ -23,6 +23,7 @@ use super::packet::{Inbox, Packet};
 use super::quic;
 use super::rate::{Outcome, RateCap};
 use super::shared::{Shared, Way, count};
+use super::withheld::Withheld;
 use crate::real_time;
 
 /// The name and version of what two sites speak over iroh. Others are refused in the handshake.
@@ -194,6 +195,8 @@ async fn dial(
             // a silence is nothing that comes or goes
             let _ = tokio::time::timeout(LOOK, links.changed.notified()).await;
         }
+        // until iroh has noticed the end of a connection, it would look on that one's way only
+        tokio::time::sleep(first).await;
         let partner = EndpointAddr::from_parts(id.public(), addresses.iter().cloned());
         let attempt = tokio::time::timeout(DIAL, endpoint.connect(partner, ALPN));
         tokio::select! {
@@ -228,6 +231,7 @@ struct Supervisor {
     path: Option<(u64, TransportAddr, Way)>,
     /// What it had counted at the last look.
     counted: Outcome,
+    withheld: Withheld,
 }
 
 impl Supervisor {
@@ -239,6 +243,7 @@ impl Supervisor {
             rate: RateCap::default(),
             path: None,
             counted: Outcome::default(),
+            withheld: Withheld::default(),
         }
     }
 
@@ -274,11 +279,14 @@ impl Supervisor {
         });
         let (path, stats) = path.map_or((None, None), |(path, stats)| (Some(path), Some(stats)));
         // what comes does not say which way it took: without a direct one it may have come over the relay
-        let is_direct = path.as_ref().is_some_and(|(_, _, way)| *way == Way::Direct);
-        links.set_open(self.is_any_way_allowed || is_direct);
+        let way = path.as_ref().map_or(Way::None, |(_, _, way)| *way);
+        links.set_open(self.is_any_way_allowed || way == Way::Direct);
         self.shared.set_round_trip(stats.as_ref().map(|stats| stats.rtt));
+        if self.withheld.is_time(self.start.elapsed(), way) {
+            links.renew();
+        }
         if path != self.path {
-            self.shared.set_way(path.as_ref().map_or(Way::None, |(_, _, way)| *way));
+            self.shared.set_way(way);
             self.path = path;
             self.counted = stats.as_ref().map(counted).unwrap_or_default();
         } else if let Some(stats) = stats {

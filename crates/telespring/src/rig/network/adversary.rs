@@ -73,7 +73,7 @@ impl Adversary {
     ///
     /// # Errors
     ///
-    /// [`InvalidInput`] with the field.
+    /// [`InvalidInput`](crate::InvalidInput) with the field.
     pub fn check(&self) -> Result<()> {
         match *self {
             Self::OldestSample { memory } | Self::MostHarmfulSample { memory } => {

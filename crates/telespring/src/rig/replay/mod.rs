@@ -36,12 +36,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod gate;
 mod pair;
 mod recorded;
 mod site;
 
-pub use gate::ForceLimits;
+pub use crate::session::gate::ForceLimits;
 pub use pair::replay_pair;
 pub use recorded::{RecordedArrival, RecordedSite, RecordedTick};
 pub use site::{Acted, ReplaySettings, ReplayedSite, ReplayedTick, replay_site};

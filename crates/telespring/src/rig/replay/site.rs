@@ -1,9 +1,9 @@
 //! The replay of one site.
 
-use super::gate::{ForceLimits, Gate};
 use super::recorded::{RecordedSite, RecordedTick};
 use crate::error::{InvalidInput, Result};
 use crate::rig::network::Datagram;
+use crate::session::gate::{ForceGate, ForceLimits, Passed};
 use crate::session::{Endpoint, EndpointSettings, Event, LocalTime, SessionReport, WatchdogState};
 
 /// The most events that a replay keeps; the rest is counted.
@@ -83,7 +83,7 @@ pub(super) struct RunningReplay<'a> {
     endpoint: Endpoint,
     is_watched: bool,
     acted: Acted,
-    gate: Gate,
+    gate: ForceGate,
     /// The tick that is under way, whether it has been measured, and the next arrival.
     tick: usize,
     is_measured: bool,
@@ -109,7 +109,7 @@ impl<'a> RunningReplay<'a> {
         }
         Ok(Self {
             recording,
-            gate: Gate::new(limits, endpoint.sample_period, endpoint.computing_tick),
+            gate: ForceGate::new(limits, endpoint.sample_period, endpoint.computing_tick),
             is_watched: endpoint.watchdog.is_some(),
             endpoint: Endpoint::new(endpoint)?,
             acted,
@@ -176,11 +176,14 @@ impl<'a> RunningReplay<'a> {
             return;
         };
         if motion.impossible_value().is_none() {
-            self.gate.measure(tick.time);
+            self.gate.release(tick.time);
         }
         let acted = match self.acted {
             Acted::Recorded => tick.acted,
-            Acted::Replayed => self.gate.acted(),
+            Acted::Replayed => {
+                let Passed { force, is_wanted } = self.gate.commanded();
+                (!is_wanted).then_some(force)
+            }
         };
         if let Some(acted) = acted {
             self.endpoint.handle_acted(acted);
@@ -201,7 +204,7 @@ impl<'a> RunningReplay<'a> {
         let force = match wanted {
             Some((time, wanted)) => self.gate.pass(time, wanted, tick.share),
             None => {
-                self.gate.close();
+                self.gate.close(tick.time);
                 [0.0; 2]
             }
         };

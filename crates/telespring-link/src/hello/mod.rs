@@ -3,16 +3,18 @@
 //! A greeting is as long as a packet, so that both take the same way. `docs/connect.md` has it byte by byte. Nothing in it is
 //! secret, and nobody is believed because of it: who the partner is, the transport decides.
 
-use telespring::InvalidInput;
-use telespring::session::wire::{self, LENGTH, MAX_STAMP};
-use telespring::study::{Coupling, Study};
+mod disagreement;
+mod terms;
+
+pub use disagreement::{Difference, Disagreement};
+pub use terms::{Terms, fingerprint};
+
+use telespring::session::wire::{LENGTH, MAX_STAMP};
 
 /// The first bytes of every greeting.
 pub const MAGIC: [u8; 4] = *b"TSPH";
 /// The version of the greeting.
 pub const VERSION: u8 = 3;
-/// The number of axes of a live session.
-const AXES: u8 = 2;
 /// No handle is farther from its origin, m.
 pub const MAX_POSITION: f32 = 1e6;
 
@@ -23,162 +25,6 @@ pub enum Purpose {
     Hello,
     /// The sender leaves; its force falls to zero.
     Goodbye,
-}
-
-/// What both sides must agree on.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Terms {
-    /// The version of the packets.
-    pub packets: u8,
-    /// The number of axes.
-    pub axes: u8,
-    /// The robot of the study that the sender moves, 1 or 2.
-    pub side: u8,
-    /// A fingerprint of both robots: masses, damping, friction.
-    pub robots: u64,
-    /// A fingerprint of strategy, predictor and play-out.
-    pub strategy: u64,
-    /// A fingerprint of the whole study.
-    pub study: u64,
-    /// Stiffness (N/m) and damping (N·s/m) of the coupling.
-    pub coupling: [f64; 2],
-    /// The sample period, s.
-    pub sample_period: f64,
-    /// Axes that the sender leaves out of the coupling; then the receiver does, too. No term on which the two could disagree.
-    pub lock: [bool; 2],
-}
-
-/// What the two sides do not agree on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Disagreement {
-    /// The version of the greeting or of the packets.
-    Version,
-    /// The number of axes.
-    Axes,
-    /// Both sides want to move the same robot.
-    Side,
-    /// The robots.
-    Robots,
-    /// Stiffness or damping of the coupling.
-    Coupling,
-    /// The sample period.
-    SamplePeriod,
-    /// Strategy, predictor or play-out.
-    Strategy,
-    /// Something else in the study.
-    Study,
-}
-
-impl Disagreement {
-    /// All of them; the place, from 1, is the code in a greeting.
-    const ALL: [Self; 8] = [
-        Self::Version,
-        Self::Axes,
-        Self::Side,
-        Self::Robots,
-        Self::Coupling,
-        Self::SamplePeriod,
-        Self::Strategy,
-        Self::Study,
-    ];
-
-    /// The disagreement in a word.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Version => "version",
-            Self::Axes => "axes",
-            Self::Side => "side",
-            Self::Robots => "robots",
-            Self::Coupling => "coupling",
-            Self::SamplePeriod => "sample-period",
-            Self::Strategy => "strategy",
-            Self::Study => "study",
-        }
-    }
-
-    /// What makes the two sides agree.
-    pub fn remedy(self) -> &'static str {
-        match self {
-            Self::Version => "Run the same version of the program at both sites.",
-            Self::Axes => "Give both sites a study with the axes x and y.",
-            Self::Side => "Write side = 1 in the site file of one site, and side = 2 in that of the other.",
-            Self::Robots => "The studies describe other robots: copy one study file to both sites.",
-            Self::Coupling => {
-                "The studies have another stiffness or damping: copy one study file to both sites."
-            }
-            Self::SamplePeriod => {
-                "The studies have another sample period: copy one study file to both sites."
-            }
-            Self::Strategy => {
-                "The studies have another strategy, predictor or play-out: copy one study file to both sites."
-            }
-            Self::Study => "The studies differ, if only in a name: copy one study file to both sites.",
-        }
-    }
-
-    fn code(self) -> u8 {
-        Self::ALL.iter().zip(1..).find(|(one, _)| **one == self).map_or(0, |(_, code)| code)
-    }
-}
-
-/// A number that tells contents apart, not a signature: FNV-1a with 64 bits (Fowler, Noll and Vo).
-///
-/// # Examples
-///
-/// ```
-/// use telespring_link::hello::fingerprint;
-///
-/// assert_eq!(fingerprint(b"foobar"), 0x8594_4171_f739_67e8); // as its authors print it
-/// ```
-pub fn fingerprint(content: &[u8]) -> u64 {
-    content.iter().fold(0xcbf2_9ce4_8422_2325, |hash: u64, byte| {
-        (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3)
-    })
-}
-
-impl Terms {
-    /// The terms of a study for the side that moves robot `side`, 1 or 2.
-    ///
-    /// # Errors
-    ///
-    /// [`InvalidInput`] if the study has no stiffness, or its robots have other axes than x and y.
-    pub fn new(study: &Study, side: u8) -> Result<Self, InvalidInput> {
-        let laboratory = study.laboratory_without_traces()?;
-        let Coupling { stiffness, damping } = study.coupling()?;
-        let handles = laboratory.stations.map(|station| station.handle);
-        let numbers = handles.iter().flat_map(|handle| [handle.mass, handle.damping, handle.coulomb]);
-        let least = laboratory.session.least_damping;
-        let numbers = numbers.chain(least).flatten().flat_map(f64::to_le_bytes);
-        Ok(Self {
-            packets: wire::VERSION,
-            axes: AXES,
-            side,
-            robots: fingerprint(&numbers.collect::<Vec<u8>>()),
-            strategy: fingerprint(study.session().to_table().to_string().as_bytes()),
-            study: fingerprint(study.to_toml().as_bytes()),
-            coupling: [stiffness, damping],
-            sample_period: laboratory.controller.sample_period,
-            lock: [false; 2],
-        })
-    }
-
-    /// The first thing in which the partner's terms do not fit these.
-    pub fn disagreement(&self, partner: &Self) -> Option<Disagreement> {
-        let same = |one: f64, other: f64| one.to_bits() == other.to_bits();
-        let sides = [self.side, partner.side];
-        let checks = [
-            (self.packets == partner.packets, Disagreement::Version),
-            (self.axes == partner.axes, Disagreement::Axes),
-            (sides == [1, 2] || sides == [2, 1], Disagreement::Side),
-            (self.robots == partner.robots, Disagreement::Robots),
-            ((0..2).all(|i| same(self.coupling[i], partner.coupling[i])), Disagreement::Coupling),
-            (same(self.sample_period, partner.sample_period), Disagreement::SamplePeriod),
-            (self.strategy == partner.strategy, Disagreement::Strategy),
-            (self.study == partner.study, Disagreement::Study),
-        ];
-        checks.into_iter().find(|(agrees, _)| !agrees).map(|(_, disagreement)| disagreement)
-    }
 }
 
 /// Where the sender stands.
@@ -266,8 +112,8 @@ impl Stance {
 pub enum NoGreeting {
     /// They are something else.
     Foreign,
-    /// They are a greeting of another version.
-    OtherVersion,
+    /// They are a greeting of this other version.
+    OtherVersion(u8),
 }
 
 impl Greeting {
@@ -285,7 +131,7 @@ impl Greeting {
             Purpose::Hello => 0,
             Purpose::Goodbye => 1,
         };
-        let refusal = self.refusal.map_or(0, Disagreement::code);
+        let refusal = Disagreement::code(self.refusal);
         let head = MAGIC.into_iter().chain([VERSION, purpose, packets, axes]);
         let ids = [self.session, self.accepted].into_iter().flat_map(u64::to_le_bytes);
         let Stance { phase, round, position, .. } = self.stance;
@@ -319,13 +165,10 @@ impl Greeting {
             return Err(NoGreeting::Foreign);
         }
         if version != VERSION {
-            return Err(NoGreeting::OtherVersion);
+            return Err(NoGreeting::OtherVersion(version));
         }
         let [side, refusal, phase, flags, round @ ..] = word(24).to_le_bytes();
-        let refusal = match refusal {
-            0 => None,
-            code => Some(*Disagreement::ALL.get(usize::from(code) - 1).ok_or(NoGreeting::Foreign)?),
-        };
+        let refusal = Disagreement::decode(refusal).ok_or(NoGreeting::Foreign)?;
         let purpose = match purpose {
             0 => Purpose::Hello,
             1 => Purpose::Goodbye,
@@ -376,6 +219,9 @@ pub fn draw_session() -> u64 {
 
 #[cfg(test)]
 mod tests {
+    use telespring::session::wire::Packet;
+    use telespring::study::Study;
+
     use super::*;
 
     fn greeting() -> Greeting {
@@ -409,7 +255,7 @@ mod tests {
     #[test]
     fn law_a_greeting_survives_encoding_and_every_byte_counts() {
         for purpose in [Purpose::Hello, Purpose::Goodbye] {
-            for refusal in [None].into_iter().chain(Disagreement::ALL.map(Some)) {
+            for refusal in (0..=8).map(|code| Disagreement::decode(code).unwrap()) {
                 let greeting = Greeting { purpose, refusal, ..greeting() };
                 assert_eq!(Greeting::decode(&greeting.encode()), Ok(greeting));
             }
@@ -432,7 +278,7 @@ mod tests {
             bytes[at] ^= 0x40;
             match Greeting::decode(&bytes) {
                 Ok(other) => assert_eq!(other.encode(), bytes),
-                Err(NoGreeting::OtherVersion) => assert_eq!(at, 4),
+                Err(NoGreeting::OtherVersion(version)) => assert_eq!((at, version), (4, bytes[4])),
                 Err(NoGreeting::Foreign) => {
                     assert!([0, 1, 2, 3, 5, 25].contains(&at) || at >= 80, "{at}")
                 }
@@ -441,46 +287,6 @@ mod tests {
         assert_eq!(Greeting::decode(&good[..LENGTH - 1]), Err(NoGreeting::Foreign));
         assert_eq!(Greeting::decode(&[0; LENGTH]), Err(NoGreeting::Foreign));
         // a packet is no greeting, and a greeting no packet
-        assert!(wire::Packet::decode(&good).is_err());
-    }
-
-    #[test]
-    fn law_any_difference_is_named() {
-        let toml = |changes: &str| {
-            let text = String::from(
-                "robot1 = {mass = 1, damping = 5, axes = [\"x\", \"y\"]}\n\
-                 robot2 = {mass = 1, damping = 5, coulomb = 0, axes = [\"x\", \"y\"]}\n\
-                 coupling.stiffness = 20\nnetwork.delay = 0.05\nsession.strategy = \"guard\"\n\
-                 laboratory.sample_period = 0.001\n",
-            );
-            let text = match changes.split_once(" -> ") {
-                Some((from, to)) => {
-                    assert!(text.contains(from));
-                    text.replace(from, to)
-                }
-                None => text,
-            };
-            Study::from_toml(&text).unwrap()
-        };
-        let here = Terms::new(&toml(""), 1).unwrap();
-        for (changes, expected) in [
-            ("", None),
-            ("damping = 5, c -> damping = 5.0000001, c", Some(Disagreement::Robots)),
-            ("coulomb = 0 -> coulomb = 1", Some(Disagreement::Robots)),
-            ("stiffness = 20 -> stiffness = 21", Some(Disagreement::Coupling)),
-            ("period = 0.001 -> period = 0.002", Some(Disagreement::SamplePeriod)),
-            ("\"guard\" -> \"spring\"", Some(Disagreement::Strategy)),
-            ("\"guard\" -> {kind = \"guard\", share = 0.5}", Some(Disagreement::Strategy)),
-            ("delay = 0.05 -> delay = 0.06", Some(Disagreement::Study)),
-        ] {
-            let there = Terms::new(&toml(changes), 2).unwrap();
-            assert_eq!(here.disagreement(&there), expected, "{changes}");
-            assert_eq!(there.disagreement(&here), expected, "{changes}");
-        }
-        let terms = Terms::new(&toml(""), 2).unwrap();
-        assert_eq!(here.disagreement(&here), Some(Disagreement::Side));
-        assert_eq!(here.disagreement(&Terms { side: 3, ..terms }), Some(Disagreement::Side));
-        assert_eq!(here.disagreement(&Terms { packets: 1, ..terms }), Some(Disagreement::Version));
-        assert_eq!(here.disagreement(&Terms { axes: 3, ..terms }), Some(Disagreement::Axes));
+        assert!(Packet::decode(&good).is_err());
     }
 }
