@@ -172,7 +172,12 @@ def test_law_a_sweep_in_shares_and_on_a_cluster_with_a_killed_worker_is_that_of_
     """`telespring sweep --quick`: one run, two shares put together, and Dask while a worker dies."""
     study = written(tmp_path, guarded(agent1=held_agent(tmp_path)).to_toml())
     over = [f"{key}={','.join(map(str, values))}" for key, values in OVER.items()]
-    asked = ["sweep", study, "--quick", *(word for text in over for word in ("--over", text))]
+    asked: list[str | Path] = [
+        "sweep",
+        study,
+        "--quick",
+        *(word for text in over for word in ("--over", text)),
+    ]
     alone, shared, cluster = (tmp_path / name for name in ("alone", "shared", "cluster"))
     calls: list[list[str | Path]] = [
         [*asked, "--out", alone],

@@ -42,7 +42,7 @@ enum Source {
     /// The laboratory of the study with this text, and the content of its traces.
     Study(String, [Option<String>; 2]),
     /// Another laboratory with the robots of a dyad.
-    Robots(Box<Laboratory>, Dyad),
+    Robots(Box<Laboratory>, Box<Dyad>),
 }
 
 impl Laboratory {
@@ -85,7 +85,7 @@ impl Laboratory {
                 (class.getattr("_from_toml")?, (text, forward, backward).into_pyobject(py)?)
             }
             Source::Robots(laboratory, dyad) => {
-                (class.getattr("with_robots")?, (*laboratory.clone(), dyad.clone()).into_pyobject(py)?)
+                (class.getattr("with_robots")?, (*laboratory.clone(), *dyad.clone()).into_pyobject(py)?)
             }
         })
     }
@@ -134,7 +134,7 @@ impl Laboratory {
             station.handle.mass.copy_from_slice(robot.mass());
             station.handle.damping.copy_from_slice(robot.damping());
         }
-        Ok(Self { inner, source: Source::Robots(Box::new(self.clone()), dyad) })
+        Ok(Self { inner, source: Source::Robots(Box::new(self.clone()), Box::new(dyad)) })
     }
 
     /// The damping on which the controllers count, by robot and axis, N·s/m: the lower end of its interval.
