@@ -57,13 +57,13 @@ def interrupted_after(trials: int) -> Callable[[int, int], None]:
     return progress
 
 
-def wait_for(condition: Callable[[], bool]) -> None:
-    """Wait until a condition holds, for half a minute at most."""
-    for _ in range(3000):
+def wait_for(condition: Callable[[], bool], seconds: int = 30) -> None:
+    """Wait until a condition holds, for so many seconds of sleep at most: more of them on a busy machine."""
+    for _ in range(100 * seconds):
         if condition():
             return
         time.sleep(0.01)
-    pytest.fail("waited half a minute in vain")
+    pytest.fail(f"waited {seconds} s in vain")
 
 
 def started(*arguments: str | Path, until: Callable[[int], bool]) -> subprocess.Popen[bytes]:

@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import multiprocessing
-import os
-import signal
 import sys
-import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import contextmanager
@@ -17,25 +14,12 @@ from typing import Any
 import pytest
 
 import telespring as ts
+from held_trials import arm, begun_trials, held_agent, kill_the_held
 from resuming import written
 from short_rehearsal import study_text
-from short_sweep import OVER, guarded
+from short_sweep import OVER, command, guarded, loaded
 from telespring.rehearsal.schedule import schedule_trials
 from telespring.rehearsal.work import prepare_runner, run_trial_anywhere
-
-#: Notes every trial that begins, so that those that run twice are seen.
-COUNTED = """
-import os
-
-class Counted:
-    def __init__(self, seed, log):
-        self.seed = seed
-        with open(log, "a") as file:
-            file.write(f"{os.getpid()} {seed}\\n")
-
-    def __call__(self, time, position, velocity, target):
-        return 100.0 * (target[0] - position[0]), 100.0 * (target[1] - position[1])
-"""
 
 
 @contextmanager
@@ -130,77 +114,85 @@ def test_law_workers_beside_an_executor_are_refused(tmp_path: Path) -> None:
                 run()
 
 
-@pytest.mark.timeout(300)
-@pytest.mark.filterwarnings("ignore")  # those of the cluster, about what happens to it
-@pytest.mark.skipif(sys.platform == "win32", reason="workers are killed by a signal")
-def test_law_of_a_killed_dask_worker_only_the_running_trials_run_again(tmp_path: Path) -> None:
+@pytest.fixture(scope="module")
+def client() -> Iterator[Any]:
+    """Return a client of a Dask cluster of two processes, which starts those anew that are killed."""
     distributed = pytest.importorskip(
         "distributed", reason="not tested with Dask: distributed is not installed"
     )
-    (tmp_path / "counted.py").write_text(COUNTED, encoding="utf-8")
-    log = tmp_path / "log.txt"
-    more = f'\n[agent1]\nkind = "python"\nclass = "counted:Counted"\noptions = {{log = "{log.as_posix()}"}}\n'
-    study = written(tmp_path, study_text(more=more, trials=8, duration=1.5))
-    ts.rehearse(study, tmp_path / "alone", workers=1)
-    trials = len(log.read_text().splitlines())
-    assert trials == 24
-    log.unlink()
-
     with (
         distributed.LocalCluster(
             n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
         ) as cluster,
         distributed.Client(cluster) as client,
     ):
-        pids = list(client.run(os.getpid).values())
-        begun: dict[str, list[str]] = {}
+        yield client
 
-        def kill_one(done: int, _total: int) -> None:
-            if done == 6:
-                # It runs a trial now, or will in a moment.
-                time.sleep(0.2)
-                os.kill(pids[0], signal.SIGKILL)
 
-        ts.rehearse(study, tmp_path / "cluster", kill_one, executor=client.get_executor())
-    for line in log.read_text().splitlines():
-        process, seed = line.split()
-        begun.setdefault(seed, []).append(process)
-    assert (tmp_path / "cluster" / "rehearsal.nc").read_bytes() == (
-        tmp_path / "alone" / "rehearsal.nc"
-    ).read_bytes()
-    again = {seed: processes for seed, processes in begun.items() if len(processes) > 1}
-    assert len(begun) == trials
-    # What ran on the killed worker, or had just ended there and was not fetched; nothing else.
-    assert all(processes[0] == str(pids[0]) for processes in again.values())
-    assert len(again) <= 4
-    assert len({process for processes in begun.values() for process in processes}) >= 2
+@contextmanager
+def one_worker_killed(client: Any, folder: Path) -> Iterator[Future[int]]:
+    """Kill one worker of a cluster while it runs a trial of the block; its number is there afterwards."""
+    client.wait_for_workers(2)
+    arm(folder)
+    with ThreadPoolExecutor(1) as watcher:
+        killed = watcher.submit(kill_the_held, folder)
+        yield killed
+    assert killed.result() > 0
+
+
+@pytest.mark.timeout(300)
+@pytest.mark.filterwarnings("ignore")  # those of the cluster, about what happens to it
+@pytest.mark.skipif(sys.platform == "win32", reason="workers are killed by a signal")
+def test_law_of_a_killed_dask_worker_only_the_running_trials_run_again(client: Any, tmp_path: Path) -> None:
+    text = study_text(trials=8, duration=1.5)
+    study = written(tmp_path, ts.Study.from_toml(text).replace(agent1=held_agent(tmp_path)).to_toml())
+    ts.rehearse(study, tmp_path / "alone", workers=1)
+    trials = len(begun_trials(tmp_path))
+    assert trials == 24
+    with one_worker_killed(client, tmp_path) as killed:
+        ts.rehearse(study, tmp_path / "cluster", executor=client.get_executor())
+    processes: dict[str, list[int]] = {}
+    for process, seed in begun_trials(tmp_path):
+        processes.setdefault(seed, []).append(process)
+    alone, cluster = (tmp_path / name / "rehearsal.nc" for name in ("alone", "cluster"))
+    assert cluster.read_bytes() == alone.read_bytes()
+    assert len(processes) == trials
+    again = [ran for ran in processes.values() if len(ran) > 1]
+    # The held trial, and the two before it if they had just ended and were not fetched; nothing else.
+    assert all(ran[0] == killed.result() for ran in again)
+    assert 1 <= len(again) <= 3
 
 
 @pytest.mark.timeout(300)
 @pytest.mark.filterwarnings("ignore")
-def test_law_a_sweep_on_a_dask_cluster_with_a_killed_worker_is_that_of_one_machine(tmp_path: Path) -> None:
-    distributed = pytest.importorskip(
-        "distributed", reason="not tested with Dask: distributed is not installed"
-    )
-    expected = ts.sweep(guarded(), tmp_path / "alone", OVER, quick=True)
-    with (
-        distributed.LocalCluster(
-            n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
-        ) as cluster,
-        distributed.Client(cluster) as client,
-    ):
-        pid = next(iter(client.run(os.getpid).values()))
-
-        def kill_one(done: int, _total: int) -> None:
-            if done == 8:
-                os.kill(pid, signal.SIGTERM if sys.platform == "win32" else signal.SIGKILL)
-
-        found = ts.sweep(
-            guarded(),
-            tmp_path / "cluster",
-            OVER,
-            quick=True,
-            executor=client.get_executor(),
-            progress=kill_one,
-        )
-    assert found.identical(expected)
+@pytest.mark.skipif(sys.platform == "win32", reason="workers are killed by a signal")
+def test_law_a_sweep_in_shares_and_on_a_cluster_with_a_killed_worker_is_that_of_one_machine(
+    client: Any, tmp_path: Path
+) -> None:
+    """`telespring sweep --quick`: one run, two shares put together, and Dask while a worker dies."""
+    study = written(tmp_path, guarded(agent1=held_agent(tmp_path)).to_toml())
+    over = [f"{key}={','.join(map(str, values))}" for key, values in OVER.items()]
+    asked: list[str | Path] = [
+        "sweep",
+        study,
+        "--quick",
+        *(word for text in over for word in ("--over", text)),
+    ]
+    alone, shared, cluster = (tmp_path / name for name in ("alone", "shared", "cluster"))
+    calls: list[list[str | Path]] = [
+        [*asked, "--out", alone],
+        [*asked, "--out", shared, "--shard", "1/2"],
+        [*asked, "--out", shared, "--shard", "2/2"],
+        ["merge", shared],
+    ]
+    for call in calls:
+        done = command(*call)
+        assert done.exit_code == 0, done.output
+    trials = 24
+    assert len(begun_trials(tmp_path)) == 2 * trials
+    with one_worker_killed(client, tmp_path):
+        found = ts.sweep(study, cluster, over, quick=True, executor=client.get_executor())
+    assert trials < len(begun_trials(tmp_path)) <= trials + 3
+    assert found.identical(loaded(alone))
+    assert loaded(shared).identical(loaded(alone))
+    assert len({(folder / "sweep.nc").read_bytes() for folder in (alone, shared, cluster)}) == 1

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import json
+import os
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -10,10 +13,10 @@ from typing import Any
 import pytest
 
 import telespring as ts
-from resuming import interrupted_after
+from held_trials import arm, begun_trials, held_agent, kill_the_held
+from resuming import interrupted_after, started, wait_for, written
 from short_rehearsal import study_text
 from short_sweep import OVER, command, guarded
-from telespring.comparison.shares import run_comparison_share
 from telespring.rehearsal.shards import Shard, read_shard
 from telespring.sweeps.merging import _plan_of, share_progress
 from telespring.sweeps.plan import plan_sweep
@@ -41,7 +44,7 @@ def _compare(folder: Path, shard: Shard | None) -> Any:
     study = ts.Study.paper().replace(protocol=COMPARED)
     if shard is None:
         return ts.compare(study, folder, quick=True)
-    return run_comparison_share(study, folder, shard, quick=True)
+    return ts.compare(study, folder, quick=True, shard=shard)
 
 
 WORK: list[Any] = [
@@ -62,7 +65,11 @@ def test_law_shares_put_together_are_the_bytes_of_one_machine(
         run(shared, Shard(index, count))
     away = tmp_path / "away"
     (shared / f"shard-1-of-{count}").rename(away)
-    found = ts.merge_shards([shared, away], shared)
+    told: list[tuple[int, int]] = []
+    found = ts.merge_shards([shared, away], shared, progress=lambda *done: told.append(done))
+    assert len({total for _, total in told}) == 1
+    assert told == sorted(told)
+    assert told[-1][0] == told[-1][1]
     if isinstance(expected, ts.Comparison):
         assert isinstance(found, ts.Comparison)
         assert found.dataset.identical(expected.dataset)
@@ -110,6 +117,42 @@ def test_law_a_share_goes_on_where_it_was_stopped(tmp_path: Path) -> None:
     assert told == [2, 3, 4, 5]
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="a share is killed by a signal")
+def test_law_of_a_killed_share_only_the_running_trial_runs_again(tmp_path: Path) -> None:
+    study = written(tmp_path, guarded(agent1=held_agent(tmp_path)).to_toml())
+    asked = ("sweep", study, "--over", "network.loss=0,0.1", "--out", tmp_path / "out", "--shard", "1/2")
+    arm(tmp_path)
+    share = started(*asked, until=lambda _: any(tmp_path.glob("held-*")))
+    # one of two points, and two of six trials
+    wait_for(lambda: share_progress([tmp_path / "out"])[0].finished == 3)
+    assert kill_the_held(tmp_path) == share.pid
+    share.communicate()
+    assert "3 of 7" in command("merge", tmp_path / "out", "--progress").output
+    done = command(*asked)
+    assert done.exit_code == 0, done.output
+    assert len(begun_trials(tmp_path)) == 6 + 1
+
+
+def test_law_the_progress_of_a_share_is_seen_without_its_files(tmp_path: Path) -> None:
+    """As on the machine that collects the shares: neither agents nor targets are there."""
+    there = tmp_path / "there"
+    study = written(there, guarded(agent1=held_agent(there)).to_toml())
+    ts.sweep(study, tmp_path / "out", {"network.loss": [0.0, 0.1]}, shard=(1, 2))
+    there.rename(tmp_path / "elsewhere")
+    [share] = share_progress([tmp_path / "out"])
+    assert share.finished == share.facts.trials == 7
+
+
+def test_law_shares_with_files_beside_the_study_are_merged_where_they_ran(tmp_path: Path) -> None:
+    study = written(tmp_path, guarded(agent1=held_agent(tmp_path)).to_toml())
+    over = {"network.loss": [0.0, 0.1]}
+    for index in (1, 2):
+        ts.sweep(study, tmp_path / "out", over, shard=(index, 2))
+    merged = ts.merge_shards(tmp_path / "out")
+    assert not isinstance(merged, ts.Comparison)
+    assert merged.identical(ts.sweep(study, tmp_path / "alone", over))
+
+
 def test_law_shares_are_the_whole_without_overlap() -> None:
     items = list(range(17))
     for count in (1, 2, 5, 17, 30):
@@ -136,8 +179,14 @@ def test_law_merge_looks_at_what_it_is_given(tmp_path: Path) -> None:
             said = command("merge", out, "--progress").output
             assert "5 of 5" in said
             assert "Not begun: 2/2" in said
+            one, other = json.loads(command("merge", out, "--progress", "--json").stdout)
+            assert one == {"shard": "1/2", "finished": 5, "all": 5}
+            assert other == {"shard": "2/2", "finished": 0, "all": None}
     found = json.loads(command("merge", out, "--progress", "--json").stdout)
     assert [each["finished"] for each in found] == [5, 4]
+    assert f"All are finished: telespring merge {out}" in command("merge", out, "--progress").output.replace(
+        "\n", ""
+    )
     done = command("merge", out)
     assert done.exit_code == 0, done.output
     assert "9 results put together" in done.output
@@ -155,3 +204,38 @@ def test_law_merge_refuses_a_folder_without_shares(tmp_path: Path) -> None:
     done = command("merge", tmp_path)
     assert done.exit_code == 2
     assert "shard.json" in done.output
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="the script is for bash")
+def test_law_the_slurm_script_of_the_documentation_runs(root: Path, tmp_path: Path) -> None:
+    """As written, but for fewer values, two shares and another folder."""
+    text = (root / "docs" / "scale.md").read_text(encoding="utf-8")
+    script = text.split("<!-- not run: needs SLURM -->\n```bash\n")[1].split("```")[0]
+    assert "#SBATCH --array=1-" in script  # shares are counted from 1
+    for written_there, here in (
+        ("20:200:50", "20:200:2"),
+        ("0:0.3:31", "0:0.3:2"),
+        ("/scratch/sweep", "out"),
+    ):
+        assert written_there in script
+        script = script.replace(written_there, here)
+    written(tmp_path, guarded().to_toml())
+    shim = written(tmp_path / "bin", "").with_name("telespring")
+    shim.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m telespring "$@"\n', encoding="utf-8")
+    shim.chmod(0o755)
+    for index in ("1", "2"):
+        slurm = {"SLURM_ARRAY_TASK_ID": index, "SLURM_ARRAY_TASK_COUNT": "2", "SLURM_CPUS_PER_TASK": "1"}
+        environment = os.environ | slurm | {"PATH": f"{shim.parent}:{os.environ['PATH']}"}
+        done = subprocess.run(
+            ["bash", "-e"],
+            input=script,
+            text=True,
+            cwd=tmp_path,
+            env=environment,
+            capture_output=True,
+            check=False,
+        )
+        assert done.returncode == 0, done.stdout + done.stderr
+    done_merging = command("merge", tmp_path / "out")
+    assert done_merging.exit_code == 0, done_merging.output
+    assert "4 points, 16 trials, complete" in done_merging.output

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -13,10 +15,9 @@ import telespring as ts
 from resuming import interrupted_after, left_in, written
 from short_sweep import OVER, command, guarded, loaded
 from telespring.analysis import measure
-from telespring.sweeps.draws import drawn_robots
-from telespring.sweeps.measures import trial_row, trial_variables
-from telespring.sweeps.over import read_over
+from telespring.sweeps.over import read_over, read_overs
 from telespring.sweeps.plan import plan_sweep
+from telespring.sweeps.rows import RowFile
 
 
 @pytest.fixture(scope="module")
@@ -117,45 +118,27 @@ def test_law_damaged_rows_are_run_again(
     assert loaded(tmp_path).identical(whole)
 
 
-def test_law_draws_depend_on_their_number_only(study: ts.Study, tmp_path: Path) -> None:
-    found = ts.sweep(study, tmp_path / "a", {"network.loss": [0.0, 0.1]}, draws=3, trials=False)
-    more = ts.sweep(study, tmp_path / "b", draws=5, trials=False)
-    assert (found.robot_mass.isel({"network.loss": 0}) == more.robot_mass.isel(draw=slice(3))).all()
-    assert (found.robot_mass.isel({"network.loss": 0}) == found.robot_mass.isel({"network.loss": 1})).all()
-    assert np.ptp(more.robot_mass.sel(robot=1, axis="x").values) > 0.0
-    assert np.ptp(more.robot_mass.sel(robot=2, axis="x").values) == 0.0  # known exactly
-    other = ts.sweep(study, tmp_path / "c", draws=5, seed=2, trials=False)
-    assert not (other.robot_mass.sel(robot=1) == more.robot_mass.sel(robot=1)).any()
-
-
-def test_ref_draws_have_the_moments_of_the_uncertainty(study: ts.Study) -> None:
-    """Bounds of five standard errors; the correlation is that of a bivariate normal."""
-    uncertain = study.replace(robot1={"mass_damping_correlation": [0.6, -0.3]})
-    drawn = [drawn_robots(uncertain, 1, draw)["robot1"] for draw in range(4000)]
-    mass, damping = (np.array([each[key] for each in drawn]) for key in ("mass", "damping"))
-    for axis, (m, b, m_sd, b_sd, correlation) in enumerate(
-        zip((0.8334, 1.0649), (7.7257, 10.1168), (0.01, 0.02), (0.2, 0.3), (0.6, -0.3), strict=True)
-    ):
-        assert mass[:, axis].mean() == pytest.approx(m, abs=5 * m_sd / 4000**0.5)
-        assert damping[:, axis].mean() == pytest.approx(b, abs=5 * b_sd / 4000**0.5)
-        assert mass[:, axis].std() == pytest.approx(m_sd, rel=5 / 8000**0.5)
-        assert damping[:, axis].std() == pytest.approx(b_sd, rel=5 / 8000**0.5)
-        found = np.corrcoef(mass[:, axis], damping[:, axis])[0, 1]
-        assert found == pytest.approx(correlation, abs=5 / 4000**0.5)
-
-
-def test_law_the_guard_keeps_its_law_and_a_bare_spring_would_not(whole: xr.Dataset) -> None:
-    assert float(whole.guard_spare.min()) >= 0.0
-    # the private measure itself: a bare spring that runs away, measured as if it were guarded
-    spring = guarded().replace(protocol={"duration": 10.0}, session=None)
-    experiment = spring.experiment
-    assert experiment is not None
-    laboratory = experiment.laboratory_on((None, None))
-    recording = laboratory.run(150.0, 0.084, 1, 10.0, 100.0)
-    assert recording.status == "completed"
-    row = trial_row(recording, experiment, guarded())
-    assert [each.name for each in trial_variables()].index("guard_spare") == 2
-    assert row[2] < -1.0
+@pytest.mark.skipif(sys.platform == "win32", reason="a limit stands for a full disk")
+def test_law_a_full_disk_is_an_error_and_loses_nothing(tmp_path: Path) -> None:
+    code = (
+        "import resource, sys, numpy as np\n"
+        "from pathlib import Path\n"
+        "from telespring.sweeps.rows import RowFile\n"
+        "rows = RowFile(Path(sys.argv[1]), 3, 'some sweep')\n"
+        "rows.begin()\n"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (100, resource.RLIM_INFINITY))\n"
+        "try:\n"
+        "    for place in range(3):\n"
+        "        rows.append([place], np.full((1, 3), float(place)))\n"
+        "except OSError:\n"
+        "    sys.exit(7)"
+    )
+    file = tmp_path / "some.rows"
+    assert subprocess.run([sys.executable, "-c", code, str(file)], check=False).returncode == 7
+    rows = RowFile(file, 3, "some sweep")
+    assert rows.begin().tolist() == [0, 1]
+    rows.append([2], np.full((1, 3), 2.0))
+    assert rows.read()[1][:, 0].tolist() == [0.0, 1.0, 2.0]
 
 
 def test_law_zarr_holds_the_same(study: ts.Study, whole: xr.Dataset, tmp_path: Path) -> None:
@@ -164,6 +147,20 @@ def test_law_zarr_holds_the_same(study: ts.Study, whole: xr.Dataset, tmp_path: P
     assert left_in(tmp_path)[0] == "sweep.zarr"
     assert found.load().identical(whole)
     assert ts.sweep(study, tmp_path, OVER, as_zarr=True).load().identical(whole)
+
+
+@pytest.mark.parametrize("as_zarr", [True, False])
+def test_law_the_other_format_is_written_without_running_anything_again(
+    study: ts.Study,
+    whole: xr.Dataset,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    as_zarr: bool,
+) -> None:
+    pytest.importorskip("zarr", reason="zarr is not installed: sweeps as Zarr are not tested")
+    ts.sweep(study, tmp_path, OVER, as_zarr=not as_zarr)
+    monkeypatch.setattr("telespring.sweeps.run.run_tasks", None)
+    assert ts.sweep(study, tmp_path, OVER, as_zarr=as_zarr).load().identical(whole)
 
 
 @pytest.mark.parametrize(
@@ -181,6 +178,14 @@ def test_law_zarr_holds_the_same(study: ts.Study, whole: xr.Dataset, tmp_path: P
         (["protocol.trials=1,2"], "as many as the first"),
         ({"network.loss": []}, "at least one value"),
         ({"network.loss": [float("nan")]}, "finite"),
+        (["network.loss=0,nan"], "finite"),
+        (["stiffness=30,60", "coupling.stiffness=40,50"], "both of these set coupling.stiffness"),
+        (["protocol.delay=0", "delay=0.1"], "both of these set protocol.delay"),
+        (["network.loss=0,0.1,0.0"], "given once"),
+        (["network.loss=0.1:0.1:2"], "given once"),
+        ({"session.strategy": "guard"}, "a list of values"),
+        ({"network.loss": 0.1}, "a list of values"),
+        ({"network.loss": np.array(0.1)}, "a list of values"),
     ],
 )
 def test_law_what_cannot_be_swept_is_refused(
@@ -190,9 +195,19 @@ def test_law_what_cannot_be_swept_is_refused(
         ts.sweep(study, tmp_path, over)
 
 
-def test_law_draws_need_an_uncertainty(tmp_path: Path) -> None:
-    with pytest.raises(ts.InvalidInput, match="mass_sd"):
-        ts.sweep(ts.Study.paper(), tmp_path, draws=3)
+def test_law_one_text_is_one_key() -> None:
+    assert read_overs("network.loss=0,0.1") == read_overs(["network.loss=0,0.1"])
+
+
+def test_law_a_key_that_changes_nothing_is_said(study: ts.Study, tmp_path: Path) -> None:
+    file = written(tmp_path, study.to_toml())
+    over = ("--over", "coupling.stiffness=30,60", "--over", "network.loss=0,0.1")
+    done = command("sweep", file, *over, "--out", tmp_path / "out")
+    assert done.exit_code == 0, done.output
+    said = " ".join(done.output.split())
+    assert "coupling.stiffness changes nothing" in said
+    assert "stiffness=… sets both" in said
+    assert "network.loss changes nothing" not in said
 
 
 @pytest.mark.parametrize(
@@ -228,7 +243,7 @@ def test_law_the_command_says_what_the_dataset_has(study: ts.Study, folder: Path
     options = ("--over", "network.loss=0,0.1", "--over", "stiffness=30,150", "--out", folder)
     done = command("sweep", file, *options)
     assert done.exit_code == 0, done.output
-    assert "4 points, 24 trials, already complete" in done.output
+    assert "4 points, 24 trials, complete" in done.output
     assert "The guards kept their law" in done.output
     found = json.loads(command("sweep", file, *options, "--json").stdout)
     whole = loaded(folder)

@@ -1074,6 +1074,9 @@ class Nyquist(_Record):
 class Laboratory:
     @staticmethod
     def paper() -> Laboratory: ...
+    def with_robots(self, dyad: Dyad) -> Laboratory: ...
+    @property
+    def least_damping(self) -> tuple[tuple[float, float], tuple[float, float]]: ...
     def run(
         self,
         stiffness: float | None,

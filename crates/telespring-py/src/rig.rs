@@ -15,6 +15,7 @@ use telespring::{Delay, InvalidInput, quantity};
 use crate::arguments::{Argument, DelayChoice, Number, hash, rows, written};
 use crate::errors::{Failure, Outcome};
 use crate::interrupt::in_parallel;
+use crate::model::Dyad;
 use crate::recording::{Recording, Recordings};
 
 /// A virtual laboratory: two robots in two arms, their agents, a target and a network, in virtual time.
@@ -34,12 +35,14 @@ pub struct Laboratory {
 }
 
 /// Where a laboratory comes from, so that it can be pickled.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 enum Source {
     /// `Laboratory.paper()`.
     Paper,
     /// The laboratory of the study with this text, and the content of its traces.
     Study(String, [Option<String>; 2]),
+    /// Another laboratory with the robots of a dyad.
+    Robots(Box<Laboratory>, Box<Dyad>),
 }
 
 impl Laboratory {
@@ -81,12 +84,63 @@ impl Laboratory {
             Source::Study(text, [forward, backward]) => {
                 (class.getattr("_from_toml")?, (text, forward, backward).into_pyobject(py)?)
             }
+            Source::Robots(laboratory, dyad) => {
+                (class.getattr("with_robots")?, (*laboratory.clone(), *dyad.clone()).into_pyobject(py)?)
+            }
         })
     }
 
     #[staticmethod]
     fn _from_toml(text: &str, forward: Option<String>, backward: Option<String>) -> Outcome<Self> {
         Ok(Self::of(&telespring::study::Study::from_toml(text)?, [forward, backward])?)
+    }
+
+    /// The same laboratory with the masses and dampings of other robots, of which its controllers know nothing.
+    ///
+    /// Parameters
+    /// ----------
+    /// dyad : Dyad
+    ///     The robots, with the axes x and y; the rest of it means nothing here.
+    ///
+    /// Returns
+    /// -------
+    /// Laboratory
+    ///     Everything else, Coulomb friction included, is as in this one.
+    ///
+    /// Raises
+    /// ------
+    /// InvalidInput
+    ///     If the robots have other axes.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import telespring as ts
+    /// >>> from telespring import _core
+    /// >>> free = ts.Robot([0.8, 1.0], [1.0, 1.0], axes=["x", "y"])
+    /// >>> _core.Laboratory.paper().with_robots(ts.Dyad(free, free)).least_damping[0]  # counted on, as before
+    /// (7.7257, 10.1168)
+    fn with_robots(&self, dyad: Argument<Bound<'_, Dyad>>) -> Outcome<Self> {
+        let dyad = dyad.named("dyad")?.get().clone();
+        if dyad.0.axis_names() != ["x", "y"] {
+            Err(InvalidInput::new(
+                "dyad",
+                format!("{:?}", dyad.0.axis_names()),
+                "a laboratory needs robots with exactly the two axes \"x\" and \"y\"",
+                "Give both robots these axes.",
+            ))?;
+        }
+        let mut inner = self.inner.clone();
+        for (station, robot) in inner.stations.iter_mut().zip(dyad.0.robots()) {
+            station.handle.mass.copy_from_slice(robot.mass());
+            station.handle.damping.copy_from_slice(robot.damping());
+        }
+        Ok(Self { inner, source: Source::Robots(Box::new(self.clone()), Box::new(dyad)) })
+    }
+
+    /// The damping on which the controllers count, by robot and axis, N·s/m: the lower end of its interval.
+    #[getter]
+    fn least_damping(&self) -> ((f64, f64), (f64, f64)) {
+        self.inner.session.least_damping.map(Into::into).into()
     }
 
     /// Positions of the target at the recorded instants of a whole trial, m, (n, 2).

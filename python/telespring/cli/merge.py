@@ -10,6 +10,7 @@ import typer
 from telespring._errors import InvalidInput
 from telespring.cli.common import print_json
 from telespring.cli.figure_file import check_not_an_input
+from telespring.cli.resuming import resuming
 from telespring.cli.terminal import screen_console, show
 
 __all__ = ["merge_command"]
@@ -93,41 +94,46 @@ def _merge_recordings(parts: list[Path], out: Path | None, *, as_json: bool) -> 
 
 
 def _say_progress(parts: list[Path], *, as_json: bool) -> None:
-    from telespring.show.screens.shards import share_progress_screen
+    from telespring.show.screens.shards import missing_shares, share_progress_screen
     from telespring.sweeps.merging import share_progress
 
     shares = share_progress(parts)
     if as_json:
-        print_json(
-            [
-                {"shard": str(each.facts.shard), "finished": each.finished, "all": each.facts.trials}
-                for each in shares
-            ]
-        )
+        begun = [
+            {"shard": str(each.facts.shard), "finished": each.finished, "all": each.facts.trials}
+            for each in shares
+        ]
+        not_begun = [{"shard": str(each), "finished": 0, "all": None} for each in missing_shares(shares)]
+        print_json(begun + not_begun)
     else:
-        show(share_progress_screen(shares))
+        show(share_progress_screen(shares, parts))
 
 
 def _merge_shares(
     parts: list[Path], out: Path | None, study: Path | None, *, as_zarr: bool, as_json: bool
 ) -> None:
     from telespring.cli.compare import show_comparison
+    from telespring.cli.sweep import show_sweep
     from telespring.comparison import Comparison
     from telespring.model import Study
     from telespring.sweeps.merging import merge_shares
     from telespring.sweeps.run import SweepOutcome
 
-    merged = merge_shares(parts, out, modules=None if study is None else study.parent, as_zarr=as_zarr)
-    console = screen_console()
+    console = screen_console(stderr=as_json)
+    modules = None if study is None else study.parent
+    with resuming(console, out or parts[0], "results") as progress:
+        merged = merge_shares(parts, out, modules=modules, as_zarr=as_zarr, progress=progress)
     if isinstance(merged, Comparison):
         if as_json:
             print_json(merged.to_dict() | {"folder": str(merged.folder)})
         else:
             show_comparison(console, merged, Study.from_toml(str(merged.dataset.attrs["study"])).dyad)
         return
-    count = merged.done if isinstance(merged, SweepOutcome) else merged.trials
-    if as_json:
-        print_json({"results": count, "dataset": str(merged.dataset)})
+    if isinstance(merged, SweepOutcome):
+        show_sweep(console, merged, None, as_zarr=as_zarr, as_json=as_json)
         return
-    console.print(f"{count} results put together", markup=False)
+    if as_json:
+        print_json({"results": merged.trials, "dataset": str(merged.dataset)})
+        return
+    console.print(f"{merged.trials} results put together", markup=False)
     console.print(f"Dataset: {merged.dataset}", markup=False)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+from rich.console import Console
 
 from telespring.cli.common import AllowUnusual, Robot1, Robot2, Robots, ShardOption, Workers, print_json
 from telespring.cli.figure_file import check_folder_keeps_inputs
@@ -19,7 +20,10 @@ from telespring.rehearsal.shards import read_shard
 from telespring.show.screens.rehearsal import preflight_screen
 from telespring.show.screens.shards import share_outcome_screen
 
-__all__ = ["sweep_command"]
+if TYPE_CHECKING:
+    from telespring.sweeps.run import SweepOutcome
+
+__all__ = ["show_sweep", "sweep_command"]
 
 
 def sweep_command(
@@ -73,15 +77,14 @@ def sweep_command(
 ) -> None:
     """Judge and rehearse a study at all combinations of some of its values.
 
-    If interrupted, by Ctrl-C or by a crash, run the same command again to resume.
+    If interrupted, by Ctrl-C or by a crash, run the same command again to resume. The status is 1 where a
+    guard broke its law.
 
     Example: telespring sweep --over network.loss=0:0.3:4 --over session.strategy=spring,guard --quick
     """
-    from telespring.sweeps.assembly import read_sweep
     from telespring.sweeps.plan import plan_sweep
-    from telespring.sweeps.run import run_sweep, sweep_store
+    from telespring.sweeps.run import run_sweep
     from telespring.sweeps.store import SWEEP_FILES
-    from telespring.sweeps.summary import summarise_sweep
 
     console = screen_console(stderr=as_json)
     share = read_shard(shard)
@@ -103,13 +106,26 @@ def sweep_command(
     if share is not None:
         share_outcome_screen(console, share, outcome.dataset.parent, folder, outcome.done)
         return
-    dataset = read_sweep(sweep_store(folder, plan, modules), as_zarr=zarr)
-    summary = summarise_sweep(dataset, plan.trials)
+    seconds = None if outcome.resumed == outcome.done else time.perf_counter() - start
+    show_sweep(console, outcome, seconds, as_zarr=zarr, as_json=as_json)
+
+
+def show_sweep(
+    console: Console, outcome: SweepOutcome, seconds: float | None, *, as_zarr: bool, as_json: bool
+) -> None:
+    """Print how a sweep came out; `seconds` is how long it took, None if nothing was run.
+
+    The command ends with status 1 where a guard broke its law.
+    """
+    from telespring.show.screens.sweep import sweep_screen
+    from telespring.sweeps.assembly import read_sweep
+    from telespring.sweeps.summary import summarise_sweep
+
+    summary = summarise_sweep(read_sweep(outcome.dataset, as_zarr=as_zarr), outcome.plan.trials)
     if as_json:
         print_json(summary.to_dict() | {"dataset": str(outcome.dataset)})
-        return
-    from telespring.show.screens.sweep import sweep_screen
-
-    seconds = None if outcome.resumed == outcome.done else time.perf_counter() - start
-    show(sweep_screen(summary, seconds))
-    console.print(f"Dataset: {outcome.dataset}", markup=False)
+    else:
+        show(sweep_screen(summary, seconds))
+        console.print(f"Dataset: {outcome.dataset}", markup=False)
+    if summary.whole.guard_broken:
+        raise typer.Exit(1)

@@ -8,41 +8,65 @@ from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, overload
 
 from telespring._core import Study
 from telespring._errors import InvalidInput
 from telespring._files import write_whole
 from telespring._json import json_ready
 from telespring.comparison.assembly import assemble_comparison
+from telespring.comparison.cells import (
+    comparison_store,
+    progress_after,
+    rehearsals_of,
+    trial_count,
+)
 from telespring.comparison.companions import Companion, study_companions
 from telespring.comparison.recommendation import recommend
 from telespring.comparison.recommended_study import recommended_study
 from telespring.comparison.reduction import measure_connected, measure_unconnected
 from telespring.comparison.results import Comparison
 from telespring.comparison.schedule import Cell, ComparisonSchedule, schedule_comparison
+from telespring.comparison.shares import run_comparison_share
 from telespring.comparison.spring_verdicts import SpringVerdicts
-from telespring.comparison.store import UNCONNECTED_FOLDER, ComparisonIdentity, ComparisonStore
+from telespring.comparison.store import UNCONNECTED_FOLDER, ComparisonStore
 from telespring.rehearsal.executors import Executor, refuse_workers
-from telespring.rehearsal.identity import core_version
-from telespring.rehearsal.run import require_experiment, run_protocol
+from telespring.rehearsal.run import Progress, run_protocol
+from telespring.rehearsal.shards import ShardLike, read_shard
 from telespring.rehearsal.store import create_folder, lock_folder
-from telespring.rehearsal.traces import read_traces
-from telespring.rehearsal.user_code import load_user_code
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = [
-    "compare",
-    "comparison_store",
-    "progress_after",
-    "rehearsals_of",
-    "run_comparison",
-    "trial_count",
-]
+__all__ = ["compare", "run_comparison"]
 
-Progress: TypeAlias = Callable[[int, int], None]
+
+@overload
+def compare(
+    study: Study | str | os.PathLike[str],
+    folder: str | os.PathLike[str],
+    *,
+    quick: bool = False,
+    workers: int | None = None,
+    progress: Progress | None = None,
+    fresh: bool = False,
+    executor: Executor | None = None,
+    shard: None = None,
+) -> Comparison: ...
+
+
+@overload
+def compare(
+    study: Study | str | os.PathLike[str],
+    folder: str | os.PathLike[str],
+    *,
+    quick: bool = False,
+    workers: int | None = None,
+    progress: Progress | None = None,
+    fresh: bool = False,
+    executor: Executor | None = None,
+    shard: ShardLike,
+) -> None: ...
 
 
 def compare(
@@ -54,7 +78,8 @@ def compare(
     progress: Progress | None = None,
     fresh: bool = False,
     executor: Executor | None = None,
-) -> Comparison:
+    shard: ShardLike | None = None,
+) -> Comparison | None:
     r"""Rehearse a study with different control architectures and networks, and choose the best safe one.
 
     Every architecture of the study's ``[comparison]`` is rehearsed on each of its networks with all
@@ -82,12 +107,15 @@ def compare(
         Remove the comparison in the folder, whichever it is, and start over.
     executor : concurrent.futures.Executor or the like, optional
         Runs the trials instead of threads of this process: anything whose ``submit`` returns a future.
+    shard : pair of int or str, optional
+        Run only this share of the trials, such as ``(2, 8)`` or "2/8", in a folder of its own inside
+        `folder`. `telespring.merge_shards` makes the comparison of all shares.
 
     Returns
     -------
     Comparison
-        The dataset, the best safe choice and why, and what became of the others. ``docs/compare.md``
-        describes everything.
+        None of a share. Otherwise the dataset, the best safe choice and why, and what became of the others.
+        ``docs/compare.md`` describes everything.
 
     Raises
     ------
@@ -113,6 +141,20 @@ def compare(
     if not isinstance(study, Study):
         modules = Path(study).parent
         study = Study.read(study)
+    share = read_shard(shard)
+    if share is not None:
+        run_comparison_share(
+            study,
+            Path(folder),
+            share,
+            progress,
+            workers,
+            quick=quick,
+            fresh=fresh,
+            modules=modules,
+            executor=executor,
+        )
+        return None
     return run_comparison(
         study, folder, progress, workers, quick=quick, fresh=fresh, modules=modules, executor=executor
     )
@@ -145,35 +187,6 @@ def run_comparison(
                 store.begin()
                 store.write_dataset(_run_cells(schedule, store, progress, workers, modules, executor))
     return _finish(schedule, store, companions)
-
-
-def comparison_store(
-    folder: Path, schedule: ComparisonSchedule, *, quick: bool, modules: Path | None
-) -> ComparisonStore:
-    """Return the store of a comparison in a folder."""
-    identity = ComparisonIdentity(
-        name=schedule.study.name,
-        study=schedule.study.to_toml(),
-        is_quick=quick,
-        programs=_provenance(schedule, modules),
-        folders=(UNCONNECTED_FOLDER, *(cell.folder for cell in schedule.cells)),
-        version=core_version(),
-    )
-    return ComparisonStore(folder, identity)
-
-
-def rehearsals_of(schedule: ComparisonSchedule) -> dict[str, Study]:
-    """Return what is rehearsed, by the name of its folder."""
-    return {UNCONNECTED_FOLDER: schedule.unconnected, **{cell.folder: cell.study for cell in schedule.cells}}
-
-
-def _provenance(schedule: ComparisonSchedule, modules: Path | None) -> dict[str, dict[str, str]]:
-    """Return name and hash of the files on which the numbers depend beside the study."""
-    found = load_user_code(schedule.experiment, modules).provenance()
-    for network, study in zip(schedule.networks, schedule.network_studies, strict=True):
-        traces = read_traces(require_experiment(study), modules).provenance()
-        found |= {f"{network}: {place}": file for place, file in traces.items()}
-    return found
 
 
 def _run_cells(
@@ -215,22 +228,6 @@ def _run_cells(
         store.write_cell(folder, measured[folder])
         done += outcome.trials
     return assemble_comparison(schedule, measured.pop(UNCONNECTED_FOLDER), measured)
-
-
-def trial_count(study: Study) -> int:
-    """Return how many trials a study's protocol has."""
-    experiment = require_experiment(study)
-    return experiment.trials * len(experiment.conditions)
-
-
-def progress_after(progress: Progress, before: int, total: int) -> Progress:
-    """Return the progress of one rehearsal as that of the whole."""
-
-    def told(done: int, _trials: int) -> None:
-        if done:
-            progress(before + done, total)
-
-    return told
 
 
 def _finish(schedule: ComparisonSchedule, store: ComparisonStore, companions: list[Companion]) -> Comparison:

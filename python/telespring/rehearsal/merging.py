@@ -9,7 +9,7 @@ from pathlib import Path
 from telespring._core import Study
 from telespring._errors import InvalidInput
 from telespring.rehearsal.identity import RehearsalIdentity
-from telespring.rehearsal.run import RehearsalOutcome, run_protocol
+from telespring.rehearsal.run import Progress, RehearsalOutcome, run_protocol
 from telespring.rehearsal.schedule import schedule_trials
 from telespring.rehearsal.shards import Shard, ShardFacts
 from telespring.rehearsal.store import IDENTITY_FILE, RehearsalStore, create_folder, lock_folder
@@ -18,7 +18,9 @@ from telespring.rehearsal.work import TrialRunner, prepare_runner
 __all__ = ["gather_trials", "merge_rehearsal", "missing_refusal", "refusing_shares", "shares_of"]
 
 
-def merge_rehearsal(shares: Sequence[Path], folder: Path, modules: Path | None) -> RehearsalOutcome:
+def merge_rehearsal(
+    shares: Sequence[Path], folder: Path, modules: Path | None, progress: Progress | None = None
+) -> RehearsalOutcome:
     """Write the dataset of a rehearsal from the folders of all its shares.
 
     The dataset is the one that a single machine writes. InvalidInput where trials are missing, or a share
@@ -27,13 +29,15 @@ def merge_rehearsal(shares: Sequence[Path], folder: Path, modules: Path | None) 
     text = (shares[0] / IDENTITY_FILE).read_text(encoding="utf-8")
     study = Study.from_toml(RehearsalIdentity.from_json(text).study)
     runner = prepare_runner(study, modules)
-    missing = gather_trials(runner, folder, shares)
+    missing = gather_trials(runner, folder, shares, progress)
     if missing:
         raise missing_refusal(missing, len(schedule_trials(runner.experiment)), shares)
     return run_protocol(study, folder, modules=modules)
 
 
-def gather_trials(runner: TrialRunner, folder: Path, sources: Iterable[Path]) -> list[int]:
+def gather_trials(
+    runner: TrialRunner, folder: Path, sources: Iterable[Path], progress: Progress | None = None
+) -> list[int]:
     """Take finished trials from other folders; return the places in the schedule of those that none has."""
     store = RehearsalStore(folder, runner.identity)
     create_folder(folder)
@@ -46,10 +50,13 @@ def gather_trials(runner: TrialRunner, folder: Path, sources: Iterable[Path]) ->
     missing = []
     with lock_folder(folder):
         store.begin()
-        for place, trial in enumerate(schedule_trials(runner.experiment)):
+        trials = schedule_trials(runner.experiment)
+        for place, trial in enumerate(trials):
             is_there = store.read_trial(trial) is not None
             if not is_there and not any(store.take_trial(trial, other) for other in others):
                 missing.append(place)
+            if progress is not None:
+                progress(place + 1 - len(missing), len(trials))
     return missing
 
 
@@ -83,6 +90,6 @@ def missing_refusal(missing: Sequence[int], trials: int, folders: Sequence[Path]
     return InvalidInput(
         "shard",
         named or f"{len(folders)} folders",
-        f"every share must be finished, and {len(missing)} of {trials} trials are missing",
+        f"every share must be finished, and {len(missing)} of {trials} results are missing",
         "Run these shares to their end with the same command and --shard, then merge again.",
     )

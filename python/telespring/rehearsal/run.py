@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = [
+    "Progress",
     "RehearsalOutcome",
     "rehearse",
     "remove_rehearsal",

@@ -46,7 +46,7 @@ def lock_folder(folder: Path) -> Iterator[None]:
         raise InvalidInput(
             "out",
             str(folder),
-            "only one rehearsal at a time may use a folder, and "
+            "only one process at a time may write into a folder, and "
             + (f"process {owner}" if owner else "another process")
             + " is using this one",
             "Wait until it has ended, or choose another folder.",

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import secrets
 import shutil
-from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator
+from functools import partial
+from itertools import islice
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -20,29 +23,42 @@ from telespring.sweeps.store import SCHEMA, SweepStore
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["read_sweep", "require_zarr", "write_sweep"]
+__all__ = ["has_sweep", "read_sweep", "require_zarr", "write_sweep"]
 
 #: Points in a chunk of Zarr, at most, along the first dimension; about a megabyte of trials.
 _CHUNK = 1000
 
+#: Dimensions, values and attributes of a variable; the same with its name; and what yields all variables.
+Values: TypeAlias = tuple[Any, FloatArray, Any]
+Named: TypeAlias = tuple[str, Values]
+Variables: TypeAlias = Callable[[], Iterator[Named]]
+
 
 def write_sweep(store: SweepStore, plan: SweepPlan, *, as_zarr: bool) -> None:
     """Write the dataset of a finished sweep, complete or absent."""
-    if as_zarr:
-        _write_zarr(store, plan)
-    else:
-        _write_netcdf(store, plan)
+    _write(store, plan, partial(_variables_of_rows, store, plan), as_zarr=as_zarr)
 
 
-def read_sweep(store: SweepStore, *, as_zarr: bool) -> xr.Dataset:
-    """Read the dataset; that of Zarr stays on the disk until its values are used."""
+def has_sweep(store: SweepStore, plan: SweepPlan, *, as_zarr: bool) -> bool:
+    """Check whether the dataset is there; it is written from the one in the other format if only that is."""
+    if store.is_complete(as_zarr=as_zarr):
+        return True
+    if not store.is_complete(as_zarr=not as_zarr):
+        return False
+    dataset = read_sweep(store.dataset if as_zarr else store.zarr, as_zarr=not as_zarr)
+    _write(store, plan, partial(_variables_of_dataset, dataset, plan), as_zarr=as_zarr)
+    return True
+
+
+def read_sweep(path: Path, *, as_zarr: bool) -> xr.Dataset:
+    """Read a dataset; that of Zarr stays on the disk until its values are used."""
     import xarray as xr
 
     if as_zarr:
         require_zarr()
-        dataset: xr.Dataset = xr.open_zarr(store.zarr, chunks=None, consolidated=False)
+        dataset: xr.Dataset = xr.open_zarr(path, chunks=None, consolidated=False)
         return dataset
-    return xr.load_dataset(store.dataset, engine="h5netcdf")
+    return xr.load_dataset(path, engine="h5netcdf")
 
 
 def require_zarr() -> None:
@@ -55,11 +71,18 @@ def require_zarr() -> None:
         ) from None
 
 
-def _write_netcdf(store: SweepStore, plan: SweepPlan) -> None:
+def _write(store: SweepStore, plan: SweepPlan, variables: Variables, *, as_zarr: bool) -> None:
+    if as_zarr:
+        _write_zarr(store, plan, variables)
+    else:
+        _write_netcdf(store, plan, variables)
+
+
+def _write_netcdf(store: SweepStore, plan: SweepPlan, variables: Variables) -> None:
     import xarray as xr
 
-    variables = dict(_variables(store, plan))
-    dataset = xr.Dataset(variables, coords=_coordinates(plan, variables), attrs=_attributes(store))
+    found = dict(variables())
+    dataset = xr.Dataset(found, coords=_coordinates(plan, found), attrs=_attributes(store))
     encoding: dict[str, dict[str, Any]] = {
         str(name): {"zlib": True, "complevel": 1, "shuffle": True}
         for name, variable in dataset.data_vars.items()
@@ -69,18 +92,18 @@ def _write_netcdf(store: SweepStore, plan: SweepPlan) -> None:
         dataset.to_netcdf(beside, engine="h5netcdf", encoding=encoding)
 
 
-def _write_zarr(store: SweepStore, plan: SweepPlan) -> None:
+def _write_zarr(store: SweepStore, plan: SweepPlan, variables: Variables) -> None:
     """Write one variable after the other, so that memory holds one beside the rows."""
     import xarray as xr
 
     require_zarr()
     beside = store.zarr.with_name(f".unfinished-{secrets.token_hex(8)}")
     try:
-        few = dict(_point_part(store, plan))
-        xr.Dataset(coords=_coordinates(plan, few), attrs=_attributes(store)).to_zarr(
+        of_points = dict(islice(variables(), len(_point_variables(plan))))
+        xr.Dataset(coords=_coordinates(plan, of_points), attrs=_attributes(store)).to_zarr(
             beside, mode="w", consolidated=False
         )
-        for name, (dimensions, values, attributes) in _variables(store, plan):
+        for name, (dimensions, values, attributes) in variables():
             one = xr.Dataset({name: (dimensions, values, attributes)}, attrs=_attributes(store))
             chunks = (min(_CHUNK, values.shape[0]), *values.shape[1:])
             one.to_zarr(beside, mode="a", consolidated=False, encoding={name: {"chunks": chunks}})
@@ -92,24 +115,30 @@ def _write_zarr(store: SweepStore, plan: SweepPlan) -> None:
             shutil.rmtree(beside)
 
 
-def _variables(store: SweepStore, plan: SweepPlan) -> Iterator[tuple[str, tuple[Any, FloatArray, Any]]]:
-    """Yield the variables one by one, as `xarray.Dataset` takes them."""
-    yield from _point_part(store, plan)
+def _point_variables(plan: SweepPlan) -> tuple[Variable, ...]:
+    return point_variables(plan, len(plan.study.dyad.axes))
+
+
+def _variables_of_rows(store: SweepStore, plan: SweepPlan) -> Iterator[Named]:
+    """Yield the variables of finished rows one by one: those of the points first."""
+    _, rows = store.points.read()
+    yield from _laid_out(rows, _point_variables(plan), _keys(plan), plan.shape)
     if plan.trials:
         _, rows = store.trials.read()
         shape = (*plan.shape, plan.conditions, plan.trials)
         yield from _laid_out(rows, trial_variables(), (*_keys(plan), "condition", "trial"), shape)
 
 
-def _point_part(store: SweepStore, plan: SweepPlan) -> Iterator[tuple[str, tuple[Any, FloatArray, Any]]]:
-    _, rows = store.points.read()
-    axes = len(plan.study.dyad.axes)
-    yield from _laid_out(rows, point_variables(plan, axes), _keys(plan), plan.shape)
+def _variables_of_dataset(dataset: xr.Dataset, plan: SweepPlan) -> Iterator[Named]:
+    """Yield the variables of a dataset in the same order."""
+    for each in (*_point_variables(plan), *(trial_variables() if plan.trials else ())):
+        variable = dataset[each.name]
+        yield each.name, (variable.dims, variable.values, variable.attrs)
 
 
 def _laid_out(
     rows: FloatArray, variables: tuple[Variable, ...], dimensions: tuple[str, ...], shape: tuple[int, ...]
-) -> Iterator[tuple[str, tuple[Any, FloatArray, Any]]]:
+) -> Iterator[Named]:
     for variable, values in split_row(rows, variables):
         attributes = {"units": variable.units, "long_name": variable.long_name}
         whole = np.ascontiguousarray(values).reshape(*shape, *variable.shape)
@@ -122,7 +151,7 @@ def _keys(plan: SweepPlan) -> tuple[str, ...]:
     return (*keys, "draw") if plan.draws else keys
 
 
-def _coordinates(plan: SweepPlan, variables: dict[str, tuple[Any, FloatArray, Any]]) -> dict[str, Any]:
+def _coordinates(plan: SweepPlan, variables: dict[str, Values]) -> dict[str, Any]:
     coordinates: dict[str, Any] = {
         name: (name, each.coordinate(), {"long_name": f"{each.key} of the study"})
         for name, each in zip(_keys(plan), plan.over, strict=False)
@@ -144,7 +173,7 @@ def _coordinates(plan: SweepPlan, variables: dict[str, tuple[Any, FloatArray, An
     }
 
 
-def _labels(plan: SweepPlan, variables: dict[str, tuple[Any, FloatArray, Any]]) -> list[str]:
+def _labels(plan: SweepPlan, variables: dict[str, Values]) -> list[str]:
     """Name the conditions by stiffness and delay, or by number where they differ from point to point."""
     stiffness, delay = (
         variables[f"condition_{name}"][1].reshape(-1, plan.conditions) for name in ("stiffness", "delay")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -112,7 +113,8 @@ def _guard_spare(recording: Recording, experiment: Experiment, study: Study) -> 
     """Compute what the guards could still have given out, J; below 0 their law is broken.
 
     The law is that of docs/guard.md, both sides together: what a side takes in the other has sent. A partner
-    that lies about it adds what the intake lets through.
+    that lies about it adds what the intake lets through. The damping is that of the robots of `study`,
+    whatever the guards count on.
     """
     settings = study.session.guard_settings
     if settings is None or recording.status != "completed":
@@ -153,22 +155,35 @@ def point_variables(plan: SweepPlan, axes: int) -> tuple[Variable, ...]:
         Variable("satisfied", "1", "1 if the stiffness is within that bound, otherwise 0", tiers, by_tier),
         Variable("robot_mass", "kg", "mass of the robot", robots, by_axis),
         Variable("robot_damping", "N*s/m", "damping of the robot", robots, by_axis),
+        Variable(
+            "counted_damping",
+            "N*s/m",
+            "damping of the robot on which the controllers count: the lower end of its 95 % interval; NaN "
+            "without trials",
+            robots,
+            by_axis,
+        ),
     )
 
 
-def point_row(study: Study, traces: RecordedTraces, plan: SweepPlan) -> FloatArray:
-    """Judge the bare spring at all conditions of a point."""
-    conditions: list[tuple[float | None, float | None]] = [(study.stiffness, None)]
+def point_row(plan: SweepPlan, known: Study, drawn: Study, traces: RecordedTraces) -> FloatArray:
+    """Judge the bare spring at all conditions of a point.
+
+    `known` is the study as its author has it, `drawn` the one with the robots that are truly there.
+    """
+    conditions: list[tuple[float | None, float | None]] = [(known.stiffness, None)]
+    counted: Any = np.full((2, len(known.dyad.axes)), np.nan)
     if plan.trials:
-        experiment = study.experiment
+        experiment = known.experiment
         assert experiment is not None  # the plan has trials
         conditions = [(condition.stiffness, condition.delay) for condition in experiment.conditions]
+        counted = traces.laboratory(experiment).least_damping
     judged = [
-        None if k is None else Question.of_study(study, delay=delay, traces=traces.texts).judge(k)
+        None if k is None else Question.of_study(drawn, delay=delay, traces=traces.texts).judge(k)
         for k, delay in conditions
     ]
-    mean = 0.5 * sum(study.delay) if not plan.trials else np.nan
-    robots = study.dyad.robots
+    mean = 0.5 * sum(known.delay) if not plan.trials else np.nan
+    robots = drawn.dyad.robots
     parts = [
         [np.nan if k is None else k for k, _ in conditions],
         [mean if delay is None else delay for _, delay in conditions],
@@ -178,6 +193,7 @@ def point_row(study: Study, traces: RecordedTraces, plan: SweepPlan) -> FloatArr
         [value for each in judged for value in _satisfied(each)],
         np.array([robot.mass for robot in robots]).reshape(-1),
         np.array([robot.damping for robot in robots]).reshape(-1),
+        np.array(counted).reshape(-1),
     ]
     return np.concatenate([np.asarray(part, dtype=np.float64) for part in parts])
 

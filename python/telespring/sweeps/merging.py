@@ -12,18 +12,18 @@ import numpy as np
 
 from telespring._core import Study
 from telespring._errors import InvalidInput
+from telespring.comparison.merging import merge_comparison
 from telespring.comparison.results import Comparison
-from telespring.comparison.shares import merge_comparison
 from telespring.rehearsal.merging import merge_rehearsal, missing_refusal, refusing_shares
-from telespring.rehearsal.run import RehearsalOutcome
+from telespring.rehearsal.run import Progress, RehearsalOutcome
 from telespring.rehearsal.shards import SHARD_FILE, Job, ShardFacts
 from telespring.rehearsal.store import create_folder, lock_folder
-from telespring.sweeps.assembly import read_sweep
+from telespring.sweeps.assembly import has_sweep, read_sweep, require_zarr
 from telespring.sweeps.over import Over
 from telespring.sweeps.plan import SweepPlan
 from telespring.sweeps.rows import RowFile
-from telespring.sweeps.run import SweepOutcome, finish_sweep, sweep_store
-from telespring.sweeps.store import IDENTITY_FILE, SweepIdentity
+from telespring.sweeps.run import Counter, SweepOutcome, finish_sweep, row_widths, sweep_store
+from telespring.sweeps.store import IDENTITY_FILE, SweepIdentity, SweepStore
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -59,6 +59,7 @@ def merge_shards(
     *,
     modules: str | os.PathLike[str] | None = None,
     as_zarr: bool = False,
+    progress: Progress | None = None,
 ) -> xr.Dataset | Comparison:
     """Put the shares of a rehearsal, a comparison or a sweep together.
 
@@ -75,6 +76,8 @@ def merge_shards(
         Folder of the study's file, with its agents, targets and traces; by default where the shares ran.
     as_zarr : bool
         Write a sweep as ``sweep.zarr``.
+    progress : callable, optional
+        Called with the number of results that have been put together, and of all.
 
     Returns
     -------
@@ -107,17 +110,22 @@ def merge_shards(
         None if out is None else Path(out),
         modules=None if modules is None else Path(modules),
         as_zarr=as_zarr,
+        progress=progress,
     )
     if isinstance(merged, Comparison):
         return merged
     if isinstance(merged, RehearsalOutcome):
         return xr.load_dataset(merged.dataset, engine="h5netcdf")
-    store = sweep_store(merged.dataset.parent, merged.plan, None if modules is None else Path(modules))
-    return read_sweep(store, as_zarr=as_zarr)
+    return read_sweep(merged.dataset, as_zarr=as_zarr)
 
 
 def merge_shares(
-    folders: Sequence[Path], out: Path | None = None, *, modules: Path | None = None, as_zarr: bool = False
+    folders: Sequence[Path],
+    out: Path | None = None,
+    *,
+    modules: Path | None = None,
+    as_zarr: bool = False,
+    progress: Progress | None = None,
 ) -> Merged:
     """Put shares together, and leave the result on the disk."""
     shares = find_shares(folders)
@@ -135,10 +143,10 @@ def merge_shares(
         there = next((Path(each.modules) for each in facts if each.modules is not None), None)
         modules = there if there is not None and there.is_dir() else None
     if job == "rehearsal":
-        return merge_rehearsal(shares, out, modules)
+        return merge_rehearsal(shares, out, modules, progress)
     if job == "comparison":
-        return merge_comparison(shares, out, modules)
-    return _merge_sweep(shares, out, modules, as_zarr=as_zarr)
+        return merge_comparison(shares, out, modules, progress)
+    return _merge_sweep(shares, out, modules, progress, as_zarr=as_zarr)
 
 
 def find_shares(folders: Iterable[Path]) -> list[Path]:
@@ -162,17 +170,14 @@ def share_progress(folders: Iterable[Path]) -> list[ShareProgress]:
     for share in find_shares(folders):
         facts = ShardFacts.read(share)
         if facts.job == "sweep":
+            # As what ran there says of itself: its study's files and its build may not be here.
             identity = _sweep_identity(share)
-            store = sweep_store(share, _plan_of(identity), _modules_of(facts))
+            store = SweepStore(share, identity, row_widths(_plan_of(identity)))
             finished = sum(len(rows.read()[0]) for rows in (store.points, store.trials))
         else:
             finished = sum(1 for _ in share.glob("**/[!.]*.trial"))
         progress.append(ShareProgress(share, facts, finished))
     return progress
-
-
-def _modules_of(facts: ShardFacts) -> Path | None:
-    return None if facts.modules is None else Path(facts.modules)
 
 
 def _common_job(facts: Sequence[ShardFacts]) -> Job:
@@ -187,7 +192,9 @@ def _common_job(facts: Sequence[ShardFacts]) -> Job:
     return jobs.pop()
 
 
-def _merge_sweep(shares: Sequence[Path], out: Path, modules: Path | None, *, as_zarr: bool) -> SweepOutcome:
+def _merge_sweep(
+    shares: Sequence[Path], out: Path, modules: Path | None, progress: Progress | None, *, as_zarr: bool
+) -> SweepOutcome:
     plan = _plan_of(_sweep_identity(shares[0]))
     store = sweep_store(out, plan, modules)
     create_folder(out)
@@ -195,34 +202,49 @@ def _merge_sweep(shares: Sequence[Path], out: Path, modules: Path | None, *, as_
     outcome = SweepOutcome(plan, store.zarr if as_zarr else store.dataset, done, done)
     if store.is_complete(as_zarr=as_zarr):
         return outcome
+    if as_zarr:
+        require_zarr()
     sources = [sweep_store(share, plan, modules) for share in shares]
     for source in sources:
         with refusing_shares(source.path):
             source.require_own_rows()
     with lock_folder(out):
+        if has_sweep(store, plan, as_zarr=as_zarr):
+            return outcome
         store.begin()
-        missing = _gather(store.points, [source.points for source in sources], plan.points)
-        missing += _gather(store.trials, [source.trials for source in sources], plan.units)
+        counter = Counter(done, progress)
+        missing = _gather(store.points, [source.points for source in sources], plan.points, counter)
+        missing += _gather(store.trials, [source.trials for source in sources], plan.units, counter)
         if missing:
             raise missing_refusal(missing, done, shares)
         finish_sweep(store, plan, as_zarr=as_zarr)
     return outcome
 
 
-def _gather(target: RowFile, sources: Sequence[RowFile], count: int) -> list[int]:
+def _gather(target: RowFile, sources: Sequence[RowFile], count: int, counter: Counter) -> list[int]:
     """Take rows from other files; return the places of those that no file has."""
     kept = set(target.begin().tolist())
+    counter.add(len(kept))
     for source in sources:
         places, values = source.read()
         new = np.array([place not in kept for place in places.tolist()], dtype=bool)
         if new.any():
             target.append(places[new].tolist(), values[new])
             kept |= set(places[new].tolist())
+            counter.add(int(new.sum()))
     return [place for place in range(count) if place not in kept]
 
 
 def _sweep_identity(share: Path) -> SweepIdentity:
-    return SweepIdentity.from_json((share / IDENTITY_FILE).read_text(encoding="utf-8"))
+    try:
+        return SweepIdentity.from_json((share / IDENTITY_FILE).read_text(encoding="utf-8"))
+    except (ValueError, TypeError):
+        raise InvalidInput(
+            "shard",
+            str(share),
+            f"its {IDENTITY_FILE} is not one of this telespring",
+            "Merge with the build of telespring that ran the shares.",
+        ) from None
 
 
 def _plan_of(identity: SweepIdentity) -> SweepPlan:

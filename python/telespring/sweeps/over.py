@@ -6,7 +6,7 @@ import json
 import math
 import re
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,7 +14,7 @@ import numpy as np
 
 from telespring._errors import InvalidInput
 
-__all__ = ["Over", "read_over", "read_overs"]
+__all__ = ["Over", "as_number", "read_over", "read_overs"]
 
 _KEY = re.compile(r"[a-z_]+\d?\.[a-z_]+")
 _RANGE = re.compile(r"(log:)?([^:,\s]+):([^:,\s]+):(\d+)")
@@ -52,11 +52,16 @@ class Over:
         """Return one value."""
         return json.loads(self.values[place])
 
+    @property
+    def sets(self) -> tuple[tuple[str, str], ...]:
+        """Which section and key of a study it gives a value to: of short names, several."""
+        section, _, key = self.key.partition(".")
+        return _BOTH.get(self.key, ((section, key),))
+
     def changes(self, place: int) -> dict[str, dict[str, Any]]:
         """Return what this value changes in a study, as `Study.replace` takes it."""
-        section, _, key = self.key.partition(".")
         changed: dict[str, dict[str, Any]] = {}
-        for where in _BOTH.get(self.key, ((section, key),)):
+        for where in self.sets:
             value = self.value(place)
             is_single = where in _LISTS and not isinstance(value, list)
             changed.setdefault(where[0], {})[where[1]] = [value] if is_single else value
@@ -86,12 +91,27 @@ def read_overs(over: Mapping[str, Any] | Sequence[str] | None) -> tuple[Over, ..
     if isinstance(over, Mapping):
         found = [_from_values(key, values) for key, values in over.items()]
     else:
-        found = [read_over(text) for text in over]
-    keys = [each.key for each in found]
-    doubled = next((key for key in keys if keys.count(key) > 1), None)
-    if doubled is not None:
-        raise InvalidInput("over", doubled, "a key is swept once", "Give all its values together.")
+        found = [read_over(text) for text in ([over] if isinstance(over, str) else over)]
+    for place, each in enumerate(found):
+        for before in found[:place]:
+            _refuse_both(before, each)
     return tuple(found)
+
+
+def _refuse_both(one: Over, other: Over) -> None:
+    """Refuse two keys of which the second would overwrite the first."""
+    shared = [".".join(where) for where in one.sets if where in other.sets]
+    if not shared:
+        return
+    if one.key == other.key:
+        raise InvalidInput("over", one.key, "a key is swept once", "Give all its values together.")
+    raise InvalidInput(
+        "over",
+        f"{one.key}, {other.key}",
+        f"a key is swept once, and both of these set {shared[0]}",
+        "Leave one of them out: stiffness and delay stand for those of the coupling, or network, and of the "
+        "protocol.",
+    )
 
 
 def read_over(text: str) -> Over:
@@ -163,16 +183,46 @@ def _from_values(key: str, values: Any) -> Over:
             "a key of the study with its section, such as network.loss, or stiffness, or delay",
             _REMEDY,
         )
-    listed = values.tolist() if isinstance(values, np.ndarray) else list(values)
-    if not listed:
-        raise InvalidInput("over", key, "at least one value is required", _REMEDY)
+    listed = _listed(key, values)
     try:
         texts = tuple(json.dumps(_plain(value), sort_keys=True, allow_nan=False) for value in listed)
     except (TypeError, ValueError):
         raise InvalidInput(
             "over", key, "values are finite numbers, words, lists and tables", _REMEDY
         ) from None
+    seen: set[float | str] = set()
+    for text in texts:
+        if as_number(text) in seen:
+            raise InvalidInput("over", f"{key}={text}", "a value is given once", "Leave the second one out.")
+        seen.add(as_number(text))
     return Over(key, texts)
+
+
+def as_number(text: str) -> float | str:
+    """Return the number that the text of a value means, or the text: 30 and 30.0 are one value.
+
+    Examples
+    --------
+    >>> as_number("30") == as_number("30.0")
+    True
+    """
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def _listed(key: str, values: Any) -> list[Any]:
+    """Return the values of a key as a list; a word or a table is one value, not several."""
+    is_one = isinstance(values, str | bytes | Mapping) or not isinstance(values, Iterable)
+    if is_one or (isinstance(values, np.ndarray) and not values.ndim):
+        raise InvalidInput(
+            "over", f"{key}: {values!r}", "a list of values is required", f"Write [{values!r}]."
+        )
+    listed = values.tolist() if isinstance(values, np.ndarray) else list(values)
+    if not listed:
+        raise InvalidInput("over", key, "at least one value is required", _REMEDY)
+    return listed
 
 
 def _plain(value: Any) -> Any:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import islice
 from typing import Any
@@ -63,24 +64,44 @@ class SweepPlan:
         return self.points * self.conditions * self.trials
 
     def study_at(self, point: int) -> Study:
-        """Return the study at a point; InvalidInput says where it cannot be."""
-        place, places = point, []
-        for length in reversed(self.shape):
-            place, here = divmod(place, length)
-            places.append(here)
-        places.reverse()
-        try:
+        """Return the study at a point as its author knows it; InvalidInput says where it cannot be.
+
+        Protocol and controllers follow from it. Its robots are the identified ones: see `drawn_at`.
+        """
+        places = self._places(point)
+        with self._saying_where(places):
             study = _changed(self.study, self.over, places)
-            if self.draws:
-                study = study.replace(**drawn_robots(study, self.seed, places[-1]))
             self._check_conditions(study)
+        return study
+
+    def drawn_at(self, point: int) -> Study:
+        """Return the study at a point with the robots that are truly there: drawn, if robots are."""
+        study = self.study_at(point)
+        if not self.draws:
+            return study
+        places = self._places(point)
+        with self._saying_where(places):
+            return study.replace(**drawn_robots(study, self.seed, places[-1]))
+
+    def _places(self, point: int) -> list[int]:
+        """Return the places of a point along all dimensions."""
+        places = []
+        for length in reversed(self.shape):
+            point, here = divmod(point, length)
+            places.append(here)
+        return places[::-1]
+
+    @contextmanager
+    def _saying_where(self, places: Sequence[int]) -> Iterator[None]:
+        """Add the values of the keys to a refusal."""
+        try:
+            yield
         except InvalidInput as refused:
             values = zip(self.over, places, strict=False)
             where = ", ".join(f"{each.key}={each.value(here)}" for each, here in values)
             raise InvalidInput(
                 refused.field, refused.value, f"{refused.allowed}, at {where or 'this draw'}", refused.remedy
             ) from None
-        return study
 
     def scheduled(self, unit: int, experiment: Experiment) -> ScheduledTrial:
         """Return the trial of a unit: condition by condition within its point."""

@@ -63,7 +63,8 @@ class RowFile:
     def append(self, places: Iterable[int], values: FloatArray) -> None:
         """Add finished rows."""
         content = self._encode(np.fromiter(places, dtype=np.uint64), values)
-        with self.path.open("ab", buffering=0) as file:
+        # Buffered: closing writes all or fails. A bare write may stop at a full disk and say nothing.
+        with self.path.open("ab") as file:
             file.write(content)
 
     def _encode(self, places: NDArray[np.uint64], values: FloatArray) -> bytes:

@@ -9,14 +9,14 @@ from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias, overload
+from typing import TYPE_CHECKING, Any, overload
 
 from telespring._core import Study
 from telespring.rehearsal.executors import Executor, refuse_workers, run_tasks, tasks_in_flight
-from telespring.rehearsal.run import thread_count
+from telespring.rehearsal.run import Progress, thread_count
 from telespring.rehearsal.shards import Shard, ShardFacts, ShardLike, read_shard
 from telespring.rehearsal.store import create_folder, lock_folder
-from telespring.sweeps.assembly import read_sweep, require_zarr, write_sweep
+from telespring.sweeps.assembly import has_sweep, read_sweep, require_zarr, write_sweep
 from telespring.sweeps.measures import point_variables, trial_variables
 from telespring.sweeps.plan import SweepPlan, plan_sweep
 from telespring.sweeps.rows import RowFile
@@ -26,9 +26,7 @@ from telespring.sweeps.work import SweepWork, identify_sweep, measure_points, me
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["SweepOutcome", "finish_sweep", "run_sweep", "sweep", "sweep_store"]
-
-Progress: TypeAlias = Callable[[int, int], None]
+__all__ = ["Counter", "SweepOutcome", "finish_sweep", "row_widths", "run_sweep", "sweep", "sweep_store"]
 
 #: Points that one task judges; a trial is a task of its own, so that a dead worker costs no more than that.
 _POINTS_PER_TASK = 16
@@ -195,17 +193,18 @@ def sweep(
     )
     if share is not None:
         return None
-    return read_sweep(sweep_store(outcome.dataset.parent, plan, modules), as_zarr=as_zarr)
+    return read_sweep(outcome.dataset, as_zarr=as_zarr)
 
 
 def sweep_store(folder: Path, plan: SweepPlan, modules: Path | None) -> SweepStore:
     """Return the store of a sweep in a folder."""
-    axes = len(plan.study.dyad.axes)
-    point, trial = (
-        sum(variable.size for variable in variables)
-        for variables in (point_variables(plan, axes), trial_variables())
-    )
-    return SweepStore(folder, identify_sweep(plan, modules), (point, trial))
+    return SweepStore(folder, identify_sweep(plan, modules), row_widths(plan))
+
+
+def row_widths(plan: SweepPlan) -> tuple[int, int]:
+    """Return how many numbers are kept of a point, and of a trial."""
+    of_point = point_variables(plan, len(plan.study.dyad.axes))
+    return sum(each.size for each in of_point), sum(each.size for each in trial_variables())
 
 
 def run_sweep(
@@ -238,9 +237,8 @@ def run_sweep(
     with lock_folder(store.path):
         if fresh:
             store.remove_sweep()
-        elif shard is None and store.is_complete(
-            as_zarr=as_zarr
-        ):  # by another process, since the check above
+        # by another process since the check above, or in the other format
+        elif shard is None and has_sweep(store, plan, as_zarr=as_zarr):
             return SweepOutcome(plan, dataset, total, total)
         store.begin()
         if shard is not None:
@@ -248,7 +246,7 @@ def run_sweep(
         work = SweepWork(
             plan, None if modules is None else str(modules.resolve()), store.identity.fingerprint
         )
-        counter = _Counter(total, progress)
+        counter = Counter(total, progress)
         with _pool(executor, threads) as pool:
             _run_missing(store.points, measure_points, work, points, _POINTS_PER_TASK, pool, counter)
             _run_missing(store.trials, measure_trials, work, units, 1, pool, counter)
@@ -263,7 +261,7 @@ def finish_sweep(store: SweepStore, plan: SweepPlan, *, as_zarr: bool) -> None:
     store.remove_rows()
 
 
-class _Counter:
+class Counter:
     """Tells how much is finished."""
 
     def __init__(self, total: int, progress: Progress | None) -> None:
@@ -271,10 +269,12 @@ class _Counter:
         self._done = self.resumed = 0
 
     def resume(self, finished: int) -> None:
+        """Count what had been finished before."""
         self.resumed += finished
         self.add(finished)
 
     def add(self, finished: int) -> None:
+        """Count what has just been finished."""
         self._done += finished
         if self._progress is not None:
             self._progress(self._done, self._total)
@@ -287,7 +287,7 @@ def _run_missing(
     places: Sequence[int],
     size: int,
     pool: tuple[Executor, int],
-    counter: _Counter,
+    counter: Counter,
 ) -> None:
     """Measure what is not finished of some points or trials, and keep each."""
     kept = set(rows.begin().tolist())

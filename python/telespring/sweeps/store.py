@@ -11,6 +11,7 @@ from pathlib import Path
 from telespring._files import write_whole
 from telespring.rehearsal.claims import dataset_identity, require_claimable, require_same
 from telespring.rehearsal.store import LOCK_FILE
+from telespring.sweeps.over import as_number
 from telespring.sweeps.rows import RowFile
 
 __all__ = ["IDENTITY_FILE", "SCHEMA", "SWEEP_FILES", "SweepIdentity", "SweepStore"]
@@ -87,16 +88,8 @@ class SweepIdentity:
 
     def _compared(self) -> str:
         """Return the text that equal sweeps have in common: 30 and 30.0 are one value of a key."""
-        over = [[key, [_number(value) for value in values]] for key, values in self.over]
+        over = [[key, [as_number(value) for value in values]] for key, values in self.over]
         return json.dumps(asdict(self) | {"over": over}, sort_keys=True, ensure_ascii=False)
-
-
-def _number(value: str) -> float | str:
-    """Return the number that a text means, or the text."""
-    try:
-        return float(value)
-    except ValueError:
-        return value
 
 
 class SweepStore:

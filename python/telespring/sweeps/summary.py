@@ -40,7 +40,10 @@ class SweepRow:
     limited_share
         Mean share of the ticks at which the strategy changed the spring's force; None without any.
     guard_broken
-        Trials in which the guards gave out more than their law allows; None without a guard.
+        Trials in which the guards gave out more than their law allows, though both robots have the damping
+        that they count on; None without a guard.
+    guard_overtaxed
+        The same with a drawn robot that has less damping than they count on.
     """
 
     value: float | str | None
@@ -50,6 +53,7 @@ class SweepRow:
     tracking_error: float | None
     limited_share: float | None
     guard_broken: int | None
+    guard_overtaxed: int | None
 
 
 @dataclass(frozen=True)
@@ -66,17 +70,21 @@ class SweepSummary:
         Over all points.
     keys
         For each key a row per value.
+    without_effect
+        Keys with several values that all have the same results.
     """
 
     name: str
     points: int
     whole: SweepRow
     keys: Mapping[str, tuple[SweepRow, ...]]
+    without_effect: tuple[str, ...]
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as `json.dumps` takes it."""
         rows = {key: [vars(row) for row in rows] for key, rows in self.keys.items()}
         found = {"name": self.name, "points": self.points, "all": vars(self.whole), "keys": rows}
+        found["without_effect"] = list(self.without_effect)
         return dict(json_ready(found))
 
 
@@ -95,7 +103,18 @@ def summarise_sweep(dataset: xr.Dataset, trials: int) -> SweepSummary:
             )
             for key in keys
         },
+        without_effect=tuple(key for key in keys if dataset.sizes[key] > 1 and _is_alike(dataset, key)),
     )
+
+
+def _is_alike(dataset: xr.Dataset, key: str) -> bool:
+    """Check whether all values of a key have the same results."""
+    for variable in dataset.data_vars.values():
+        if key in variable.dims:
+            values = np.moveaxis(variable.values, variable.dims.index(key), 0)
+            if not np.array_equal(values, np.broadcast_to(values[0], values.shape), equal_nan=True):
+                return False
+    return True
 
 
 def _plain(value: Any) -> float | str:
@@ -104,9 +123,11 @@ def _plain(value: Any) -> float | str:
 
 def _row(value: float | str | None, part: xr.Dataset, trials: int) -> SweepRow:
     if not trials:
-        return SweepRow(value, _mean(part["stable"].values), 0, {}, None, None, None)
+        return SweepRow(value, _mean(part["stable"].values), 0, {}, None, None, None, None)
     status = part["status"].values
-    spare = part["guard_spare"].values
+    broken = part["guard_spare"] < -_SPARE_ERROR
+    has_less = (part["robot_damping"] < part["counted_damping"]).any(("robot", "axis"))
+    has_guard = bool(np.isfinite(part["guard_spare"].values).any())
     return SweepRow(
         value=value,
         stable_share=_mean(part["stable"].values),
@@ -118,7 +139,8 @@ def _row(value: float | str | None, part: xr.Dataset, trials: int) -> SweepRow:
         },
         tracking_error=_mean(part["tracking_error"].values),
         limited_share=_mean(part["limited_share"].values),
-        guard_broken=int(np.count_nonzero(spare < -_SPARE_ERROR)) if np.isfinite(spare).any() else None,
+        guard_broken=int((broken & ~has_less).sum()) if has_guard else None,
+        guard_overtaxed=int((broken & has_less).sum()) if has_guard else None,
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, lru_cache
 from pathlib import Path
 from threading import Lock
@@ -97,7 +97,12 @@ def _check(work: SweepWork) -> None:
 
 @lru_cache(maxsize=8)
 def _runner_at(work: SweepWork, point: int) -> TrialRunner:
-    return prepare_runner(work.plan.study_at(point), work.folder)
+    runner = prepare_runner(work.plan.study_at(point), work.folder)
+    if not work.plan.draws:
+        return runner
+    # The controllers go on counting on the identified robots: nobody knows the drawn ones.
+    drawn = work.plan.drawn_at(point)
+    return replace(runner, study=drawn, laboratory=runner.laboratory.with_robots(drawn.dyad))
 
 
 def measure_points(work: SweepWork, points: tuple[int, ...]) -> tuple[tuple[int, ...], FloatArray]:
@@ -107,7 +112,8 @@ def measure_points(work: SweepWork, points: tuple[int, ...]) -> tuple[tuple[int,
     rows = []
     for point in points:
         study = work.plan.study_at(point)
-        rows.append(point_row(study, read_traces(study, work.folder), work.plan))
+        traces = read_traces(study, work.folder)
+        rows.append(point_row(work.plan, study, work.plan.drawn_at(point), traces))
     return points, np.array(rows)
 
 

@@ -15,7 +15,7 @@ from telespring.show.screens.layout import fitting_table
 if TYPE_CHECKING:
     from telespring.sweeps.merging import ShareProgress
 
-__all__ = ["share_outcome_screen", "share_progress_screen"]
+__all__ = ["missing_shares", "share_outcome_screen", "share_progress_screen"]
 
 
 def share_outcome_screen(console: Console, shard: Shard, share: Path, folder: Path, results: int) -> None:
@@ -24,8 +24,20 @@ def share_outcome_screen(console: Console, shard: Shard, share: Path, folder: Pa
     console.print(f"When all shares are: telespring merge {folder}", markup=False)
 
 
-def share_progress_screen(shares: Sequence[ShareProgress]) -> RenderableType:
-    """Lay out how far each share is, which ones are missing, and how far all are together."""
+def missing_shares(shares: Sequence[ShareProgress]) -> list[Shard]:
+    """List the shares that have not begun, of each division of the work that some have."""
+    missing = []
+    for count in sorted({each.facts.count for each in shares}):
+        there = {each.facts.index for each in shares if each.facts.count == count}
+        missing += [Shard(index, count) for index in range(1, count + 1) if index not in there]
+    return missing
+
+
+def share_progress_screen(shares: Sequence[ShareProgress], named: Sequence[Path]) -> RenderableType:
+    """Lay out how far each share is, which ones are missing, and how far all are together.
+
+    `named` are the folders that were asked about.
+    """
     rows = [
         [str(each.facts.shard), f"{each.finished} of {each.facts.trials}", str(each.folder)]
         for each in shares
@@ -35,10 +47,10 @@ def share_progress_screen(shares: Sequence[ShareProgress]) -> RenderableType:
         fitting_table("", ["share", "finished", "folder"], rows, right=(1,)),
         Text(f"Together: {finished} of {total} of the shares that have begun"),
     ]
-    for count in sorted({each.facts.count for each in shares}):
-        there = {each.facts.index for each in shares if each.facts.count == count}
-        missing = [f"{index}/{count}" for index in range(1, count + 1) if index not in there]
-        if missing:
-            more = f" and {len(missing) - 8} more" if len(missing) > 8 else ""
-            parts.append(Text(f"Not begun: {', '.join(missing[:8])}{more}", style="yellow"))
+    missing = missing_shares(shares)
+    if missing:
+        more = f" and {len(missing) - 8} more" if len(missing) > 8 else ""
+        parts.append(Text(f"Not begun: {', '.join(map(str, missing[:8]))}{more}", style="yellow"))
+    elif finished == total:
+        parts.append(Text(f"All are finished: telespring merge {' '.join(map(str, named))}"))
     return Group(*parts)

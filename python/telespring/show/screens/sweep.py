@@ -14,12 +14,14 @@ __all__ = ["sweep_screen"]
 #: No more values of a key are shown; all are in the dataset.
 _MOST_VALUES = 12
 _UNKNOWN = "–"
+#: Keys that only verdicts without trials use, and the short name that stands for the protocol's, too.
+_OF_THE_VERDICTS = {"coupling.stiffness": "stiffness", "network.delay": "delay"}
 
 
 def sweep_screen(summary: SweepSummary, seconds: float | None) -> RenderableType:
-    """Lay a sweep out for the terminal; `seconds` is how long it took, None if it was complete already."""
+    """Lay a sweep out for the terminal; `seconds` is how long it took, None if nothing was run."""
     whole = summary.whole
-    took = "already complete" if seconds is None else f"in {seconds:.1f} s"
+    took = "complete" if seconds is None else f"in {seconds:.1f} s"
     trials = f", {whole.trials} trials" if whole.trials else ""
     parts: list[RenderableType] = [
         Text(summary.name, style="bold"),
@@ -28,8 +30,12 @@ def sweep_screen(summary: SweepSummary, seconds: float | None) -> RenderableType
     if whole.stable_share is not None:
         share = _percent(whole.stable_share)
         parts.append(Text(f"The bare spring is stable at {share} of the points' conditions."))
+    if whole.early_ends:
+        ends = ", ".join(f"{count} {status}" for status, count in whole.early_ends.items())
+        parts.append(Text(f"Ended early: {ends}."))
     if whole.guard_broken is not None:
         parts.append(_guard_line(whole))
+    parts += [_no_effect_line(key, has_trials=whole.trials > 0) for key in summary.without_effect]
     for key, rows in summary.keys.items():
         if len(rows) > 1:
             parts += [Text(""), _table(key, rows)]
@@ -37,12 +43,27 @@ def sweep_screen(summary: SweepSummary, seconds: float | None) -> RenderableType
 
 
 def _guard_line(whole: SweepRow) -> Text:
-    if not whole.guard_broken:
-        return Text("The guards kept their law in every completed trial.")
-    return Text(
-        f"The guards gave out more than their law allows in {whole.guard_broken} trials; see guard_spare.",
-        style="red",
-    )
+    if whole.guard_broken:
+        return Text(
+            f"The guards broke their law in {whole.guard_broken} trials: they gave out more energy than it "
+            "allows. guard_spare says how much.",
+            style="red",
+        )
+    if whole.guard_overtaxed:
+        return Text(
+            "The guards kept their law wherever the robots have the damping that they count on. In "
+            f"{whole.guard_overtaxed} trials a drawn robot has less, and they gave out more than its law "
+            "allows: guard_spare says how much.",
+            style="yellow",
+        )
+    return Text("The guards kept their law in every completed trial.")
+
+
+def _no_effect_line(key: str, *, has_trials: bool) -> Text:
+    said = f"{key} changes nothing: all its values have the same results."
+    if has_trials and key in _OF_THE_VERDICTS:
+        said += f" The trials take theirs from the protocol; {_OF_THE_VERDICTS[key]}=… sets both."
+    return Text(said, style="yellow")
 
 
 def _table(key: str, rows: tuple[SweepRow, ...]) -> RenderableType:
