@@ -42,7 +42,7 @@ test: $(STAMPS)/binding $(STAMPS)/test ## set everything up and run all tests
 PAGE_CORE := out/page/telespring.wasm
 page: toolchain ## build the page that needs no server, out/page/telespring.html
 	tools/build-wasm.sh $(PAGE_CORE)
-	python3 tools/bundle_page.py $(PAGE_CORE) out/page/telespring.html
+	"$$(tools/check-toolchain.sh --python)" tools/bundle_page.py $(PAGE_CORE) out/page/telespring.html
 	mkdir -p python/telespring/assets
 	cp out/page/telespring.html python/telespring/assets/telespring.html
 
@@ -62,6 +62,10 @@ link: link-toolchain ## build the live program, target/release/telespring-link (
 HOST := $(shell rustc -vV 2>/dev/null | sed -n 's/^host: //p')
 link-static: link-toolchain ## build the live program as one static file, in target/HOST/release
 	RUSTFLAGS='-C target-feature=+crt-static' cargo build --release --locked -p telespring-link --target $(HOST)
+	"$$(tools/check-toolchain.sh --python)" tools/gather_licences.py telespring-link $(HOST) \
+		>$${CARGO_TARGET_DIR:-target}/$(HOST)/release/telespring-link-licences.txt
+	@printf '\n%s\n' 'On Linux it has the GNU C library in it (LGPL-2.1-or-later); `make link-static` of these sources links another one.' \
+		>>$${CARGO_TARGET_DIR:-target}/$(HOST)/release/telespring-link-licences.txt
 	@echo $${CARGO_TARGET_DIR:-target}/$(HOST)/release/telespring-link
 
 # Real-time tests: they share the machine with nobody who can help it. Then what the package makes of the program and its recordings.
@@ -109,8 +113,10 @@ format: $(STAMPS)/test ## apply the formatting that lint checks
 	$(PYTHON_IN_VENV) -m ruff format .
 
 # Old systems and other machines: zig is compiler and linker. Changed sources only are built anew, in target/wheel.
-wheel: $(STAMPS)/wheel ## build the wheel and the source distribution, in out/wheel
-	rm -rf out/wheel
+# WITHOUT_PAGE=1 builds a wheel without the page, where the library of Rust for WebAssembly cannot be had: no release.
+export WITHOUT_PAGE
+wheel: $(if $(WITHOUT_PAGE),,page) $(STAMPS)/wheel ## build the wheel and the source distribution, in out/wheel
+	rm -rf out/wheel $(if $(WITHOUT_PAGE),python/telespring/assets/telespring.html)
 	tools/build-wheel.sh out/wheel
 
 check-wheel: wheel ## build the wheel twice, compare, install it without Rust, and use it

@@ -8,8 +8,6 @@ export function decideOptions(values) {
   const isPlain =
     values.axes.length <= 3 &&
     values.axes.every((name, i) => name === axes[i]) &&
-    values.coupling_damping === 0 &&
-    values.computing_time === 0 &&
     values.session === "spring" &&
     values.jitter[0] === values.jitter[1] &&
     values.ages_from.length === 0 &&
@@ -33,6 +31,9 @@ export function decideOptions(values) {
   if (values.max_gap > 0) options.push(`--max-gap ${values.max_gap}`);
   if (values.playout_buffer) options.push("--playout-buffer");
   options.push(values.sample_period > 0 ? `--sample-period ${values.sample_period}` : "--continuous");
+  if (values.computing_time > 0) options.push(`--computing-time ${values.computing_time}`);
+  if (values.coupling_damping > 0) options.push(`--coupling-damping ${values.coupling_damping}`);
+  if (values.allow_unusual) options.push("--allow-unusual");
   return options;
 }
 

@@ -4,12 +4,21 @@ import { runPage } from "./app.js";
 import { createEngine } from "./engine.js";
 import { fromHash } from "./link.js";
 
-/** The core that the page carries, compressed. */
+/** The bytes that a text in base64 stands for. */
+function bytesOf(text) {
+  if (Uint8Array.fromBase64) return Uint8Array.fromBase64(text);
+  const binary = atob(text);
+  const bytes = new Uint8Array(binary.length);
+  for (let i = 0; i < bytes.length; i++) bytes[i] = binary.charCodeAt(i);
+  return bytes;
+}
+
+/** The core that the page carries, unpacked and compiled at once. */
 async function compiledCore() {
-  const binary = atob(document.getElementById("core").textContent.trim());
-  const packed = new Blob([Uint8Array.from(binary, (letter) => letter.charCodeAt(0))]);
-  const bytes = await new Response(packed.stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
-  return WebAssembly.compile(bytes);
+  const packed = new Blob([bytesOf(document.getElementById("core").textContent.trim())]);
+  const stream = packed.stream().pipeThrough(new DecompressionStream("gzip"));
+  const response = new Response(stream, { headers: { "Content-Type": "application/wasm" } });
+  return WebAssembly.compileStreaming ? WebAssembly.compileStreaming(response) : WebAssembly.compile(await response.arrayBuffer());
 }
 
 /** Asks for an attack on another thread, or on this one where a page may not have others. */

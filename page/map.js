@@ -5,7 +5,7 @@ import { plane, pointerPlace } from "./plane.js";
 import { html, pathOf, svg } from "./svg.js";
 import { WORDS, isVarying, limits, worseOf } from "./words.js";
 
-const COLUMNS = 300;
+const COLUMNS = 500;
 /** Delays at which the verdicts while the delay varies are judged. */
 const ROWS = 40;
 

@@ -1,6 +1,7 @@
-// Drawing in SVG, and a drawing as a file of its own.
+// Elements of SVG and HTML.
 
-const SPACE = "http://www.w3.org/2000/svg";
+/** The namespace of SVG. */
+export const SPACE = "http://www.w3.org/2000/svg";
 
 /** An SVG element with attributes and children. */
 export function svg(name, attributes = {}, ...children) {
@@ -33,25 +34,4 @@ export function pathOf(points) {
     }
   }
   return path;
-}
-
-const STYLES = ["fill", "stroke", "stroke-width", "stroke-dasharray", "opacity", "font-size", "font-family", "font-weight", "text-anchor"];
-
-/** A drawing as text that needs no style sheet, with its colours of now on a background. */
-export function standalone(drawing, background) {
-  const copy = drawing.cloneNode(true);
-  const originals = [drawing, ...drawing.querySelectorAll("*")];
-  [copy, ...copy.querySelectorAll("*")].forEach((element, i) => {
-    const own = getComputedStyle(originals[i]);
-    if (own.display === "none") return element.setAttribute("display", "none");
-    for (const style of STYLES) element.setAttribute(style, own.getPropertyValue(style));
-    element.removeAttribute("class");
-    element.removeAttribute("tabindex");
-  });
-  const [, , width, height] = drawing.getAttribute("viewBox").split(" ");
-  copy.setAttribute("xmlns", SPACE);
-  copy.setAttribute("width", width);
-  copy.setAttribute("height", height);
-  copy.prepend(svg("rect", { width, height, fill: background }));
-  return new XMLSerializer().serializeToString(copy);
 }

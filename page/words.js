@@ -72,8 +72,11 @@ export function questionSentence(values) {
   const [more, moreBackward] = values.jitter;
   const delay = forward === backward ? `${time(forward)} each way` : `${time(forward)} there and ${time(backward)} back`;
   const jitter = more === 0 && moreBackward === 0 ? "" : `, up to ${time(Math.max(more, moreBackward))} more`;
-  const sampling = values.sample_period > 0 ? `controllers sampled every ${time(values.sample_period)}` : "continuous controllers";
-  return `${stiffness(values.stiffness)} over ${delay}${jitter}, ${sampling}`;
+  const gap = values.max_gap > 0 ? `, gaps of up to ${time(values.max_gap)}` : "";
+  const damping = values.coupling_damping > 0 ? ` with ${digits(values.coupling_damping)} N·s/m beside it` : "";
+  const computing = values.computing_time > 0 ? `, which compute for ${time(values.computing_time)}` : "";
+  const sampling = values.sample_period > 0 ? `controllers sampled every ${time(values.sample_period)}${computing}` : "continuous controllers";
+  return `${stiffness(values.stiffness)}${damping} over ${delay}${jitter}${gap}, ${sampling}`;
 }
 
 /** What the page does not know of a study that it shows. */

@@ -12,6 +12,7 @@ from scipy.linalg import expm
 import telespring as ts
 from telespring._types import FloatArray
 from telespring.comparison.grounds import STRATEGY_GROUNDS, Place, find_grounds
+from telespring.comparison.spring_verdicts import SpringVerdicts
 
 PERIOD = 0.001
 STUDY = ts.Study.paper()
@@ -188,15 +189,6 @@ def test_law_the_bare_spring_stands_on_its_verdict_alone(verdict: str) -> None:
     ("strategy", "keys", "lack"),
     [
         ("spring", {"session": {"predictor": "linear"}}, "known prediction"),
-        ("spring", {"laboratory": {"computing_tick": True}}, "force without a computing tick"),
-        (
-            "spring",
-            {
-                "laboratory": {"computing_tick": True},
-                "controller": {"sample_period": PERIOD, "computing_time": 1e-6},
-            },
-            "force without a computing tick",
-        ),
         ("spring", {"laboratory": {"actuator_lag": 0.005}}, "force without a lag"),
         ("injected-damping", {"session": {"predictor": "kalman"}}, "known prediction"),
         *(
@@ -220,6 +212,30 @@ def test_law_the_bare_spring_stands_on_its_verdict_alone(verdict: str) -> None:
 )
 def test_law_what_a_strategy_lacks_is_named(strategy: object, keys: dict[str, Any], lack: str) -> None:
     assert find_grounds(place(strategy, verdict="stable", **keys)) == ("", lack)
+
+
+@pytest.mark.parametrize("computing_time", [0.0, 1e-6, PERIOD])
+def test_law_a_spring_behind_a_computing_tick_stands_on_a_verdict_that_counts_the_tick(
+    computing_time: float,
+) -> None:
+    late: dict[str, Any] = {
+        "laboratory": {"computing_tick": True},
+        "controller": {"sample_period": PERIOD, "computing_time": computing_time},
+    }
+    ages = (0.1, 0.1), (0.1, 0.1)
+    verdicts = SpringVerdicts(STUDY.replace(**late))
+    stiffest = ts.decide(
+        STUDY.replace(controller={"sample_period": PERIOD, "computing_time": PERIOD}), delay=0.1
+    ).stiffness_limit
+    immediate = ts.decide(STUDY.replace(controller={"sample_period": PERIOD}), delay=0.1).stiffness_limit
+    assert stiffest is not None
+    assert immediate is not None
+    assert stiffest < immediate
+    between = (stiffest + 0.3 * (immediate - stiffest)) / 1.05
+    for stiffness, expected in ((0.999 * stiffest / 1.05, "stable"), (between, "marginal")):
+        assert verdicts.status(stiffness, 0.1, *ages) == expected
+        grounds = find_grounds(place("spring", stiffness, 0.1, verdict=expected, **late))
+        assert grounds == (("stable spring", "") if expected == "stable" else ("", "stable spring"))
 
 
 @pytest.mark.parametrize("strategy", ["time-domain-passivity", "set-position-modulation"])

@@ -341,3 +341,25 @@ def test_ref_a_limit_of_delay_without_a_delay_in_question_holds(
     limits = json.loads(answer.stdout)["stiffness"]
     assert limits["delay_limit"] is not None
     assert 0.9 * unstable_from < limits["delay_limit"] < unstable_from
+
+
+def test_law_options_of_controllers_and_coupling_are_those_of_a_study(tmp_path: Path) -> None:
+    asked = (*MINE, "--delay", "40ms", "--stiffness", "100")
+    options = ("--sample-period", "2ms", "--computing-time", "0.5ms", "--coupling-damping", "2")
+    study = tmp_path / "study.toml"
+    robots = "robot1 = {mass = 1.2, damping = 6}\nrobot2 = {mass = 2, damping = 9}\n"
+    study.write_text(
+        f"{robots}network.delay = 0.04\ncoupling = {{stiffness = 100, damping = 2}}\n"
+        "controller = {sample_period = 0.002, computing_time = 0.0005}\n"
+    )
+    found = answered(*asked, *options)
+    stated = answered(str(study))
+    for key in ("status", "remedies", "verdicts", "axes"):
+        assert found[key] == stated[key]
+    assert found["remedies"] != answered(*asked, *options[:2])["remedies"]
+    refused = run("decide", *asked, "--continuous", "--computing-time", "0.5ms")
+    assert refused.exit_code == 2
+    assert "--computing-time" in refused.stderr
+    late = run("decide", *asked, "--computing-time", "5ms")
+    assert late.exit_code == 2
+    assert "--computing-time" in late.stderr

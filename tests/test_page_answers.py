@@ -40,12 +40,28 @@ def random_study(draw: random.Random) -> ts.Study:
         mass = [decade(0.1, 10.0) for _ in range(axes)]
         damping = [decade(0.5, 50.0) for _ in range(axes)]
         text += f"[robot{robot}]\nmass = {mass}\ndamping = {damping}\n"
+        if draw.random() < 0.1:
+            text += f"ground_stiffness = {decade(1.0, 100.0)}\n"
         if draw.random() < 0.3:
             text += f"[operator{robot}]\nstiffness = {decade(5.0, 500.0)}\ndamping = {decade(0.1, 10.0)}\n"
-    text += f"[coupling]\nstiffness = {decade(2.0, 2000.0)}\n[network]\ndelay = {decade(0.001, 0.4)}\n"
+    text += f"[coupling]\nstiffness = {decade(2.0, 2000.0)}\n"
+    if draw.random() < 0.15:
+        text += f"damping = {decade(0.01, 5.0)}\n"
+    text += "[network]\n"
+    if draw.random() < 0.8:
+        text += f"delay = {decade(0.001, 0.4)}\n"
+    else:
+        text += f"delay = {{forward = {decade(0.001, 0.4)}, backward = {decade(0.001, 0.4)}}}\n"
     if draw.random() < 0.2:
         text += f"jitter = {decade(0.001, 0.05)}\nplayout_buffer = {draw.choice(['true', 'false'])}\n"
-    text += f"[controller]\nsample_period = {draw.choice([0.0, 0.001, 0.002])}\n"
+    if draw.random() < 0.1:
+        text += f"max_gap = {decade(0.001, 0.05)}\n"
+    if draw.random() < 0.05:
+        text += f"loss = {decade(0.001, 0.05)}\n"
+    period = draw.choice([0.0, 0.001, 0.002])
+    text += f"[controller]\nsample_period = {period}\n"
+    if draw.random() < 0.2:
+        text += f"computing_time = {period * draw.choice([0.1, 0.5, 1.0])}\n"
     return ts.Study.from_toml(text)
 
 
@@ -100,7 +116,7 @@ def compare(root: Path, count: int, seed: int) -> None:
 
 
 def test_cross_the_page_answers_as_the_command_does(root: Path) -> None:
-    compare(root, 120, 1)
+    compare(root, 120, 4)
 
 
 @pytest.mark.verify

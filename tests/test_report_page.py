@@ -3,34 +3,15 @@
 from __future__ import annotations
 
 import html
-import json
 import re
-import shutil
-import subprocess
 from importlib.resources import files
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
 
 import pytest
 
+from browser import REPORT, look, needs_chromium
 from telespring.paper import Analysis
-
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-
-needs_chromium = pytest.mark.skipif(
-    CHROMIUM is None, reason="NO CHROMIUM HERE: nobody has seen whether the report can be read"
-)
-
-#: Writes a result into the page, where `--dump-dom` shows it.
-REPORT = """<script>
-function report(value) {
-  const shown = document.createElement("pre");
-  shown.id = "measured";
-  shown.textContent = JSON.stringify(value);
-  document.body.append(shown);
-}
-</script>"""
 
 #: The names of the tables that stick out of their page, and how far.
 TABLES = """<script>
@@ -38,31 +19,6 @@ report([...document.querySelectorAll("table")].map(
   table => [table.id || table.innerText.slice(0, 40), table.getBoundingClientRect().right
             - table.parentElement.getBoundingClientRect().right]));
 </script>"""
-
-
-def look(page: str, script: str, folder: Path, width: int = 1000) -> Any:
-    """Load the page in Chromium, run the script at its end, and return what it reports."""
-    assert CHROMIUM is not None
-    (folder / "page.html").write_text(page.replace("</body>", f"{REPORT}{script}</body>"), encoding="utf-8")
-    options = ["--headless", "--no-sandbox", "--disable-background-networking", "--disable-gpu"]
-    shown = subprocess.run(
-        [
-            CHROMIUM,
-            *options,
-            f"--user-data-dir={folder / 'profile'}",
-            f"--window-size={width},1000",
-            "--virtual-time-budget=60000",
-            "--dump-dom",
-            (folder / "page.html").as_uri(),
-        ],
-        capture_output=True,
-        text=True,
-        check=True,
-        timeout=100,
-    ).stdout
-    measured = re.search(r'<pre id="measured">(.*?)</pre>', shown, re.S)
-    assert measured is not None
-    return json.loads(html.unescape(measured[1]))
 
 
 @needs_chromium

@@ -105,7 +105,10 @@ def test_law_the_stub_is_what_was_compiled(root: Path) -> None:
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-@pytest.mark.parametrize("heavy", ["xarray", "pandas", "matplotlib", "h5netcdf", "scipy"])
+@pytest.mark.parametrize(
+    "heavy",
+    ["xarray", "pandas", "matplotlib", "h5netcdf", "scipy", "telespring.rehearsal", "telespring.traces"],
+)
 def test_law_importing_the_package_loads_nothing_heavy(heavy: str) -> None:
     code = f"import sys, telespring; sys.exit({heavy!r} in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

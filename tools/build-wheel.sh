@@ -6,7 +6,8 @@
 # is that of the sources. It is built from the source distribution, because the whole workspace resolves to more dependencies, which
 # the bill of materials would list.
 #
-# MATURIN, if set, is the program to build with; TARGET the machine to build for, as rustc names it; BUILD the folder to build in.
+# The page (make page) and the licences of what is linked are inside. WITHOUT_PAGE, if set, leaves the page out: such a wheel is no
+# release. MATURIN is the program to build with; TARGET the machine to build for, as rustc names it; BUILD the folder to build in.
 set -eu
 
 folder=$(mkdir -p "$1" && cd "$1" && pwd)
@@ -24,6 +25,15 @@ esac
 # zig and its linker are a Python package next to maturin
 PATH=$(dirname "$maturin"):$PATH
 export PATH
+
+page=python/telespring/assets/telespring.html
+if [ -n "${WITHOUT_PAGE-}" ]; then
+    echo "build-wheel: a wheel WITHOUT the page: telespring explore will refuse. It is no release." >&2
+elif [ -z "${2-}" ] && [ ! -s "$page" ]; then
+    echo "build-wheel: no page in $page, and a wheel without it is no release: run 'make page' (it needs Rust's library for" >&2
+    echo "WebAssembly: 'rustup target add wasm32-unknown-unknown'). WITHOUT_PAGE=1 leaves it out." >&2
+    exit 1
+fi
 
 # The date of the last change; without git, that of the newest release in the changelog.
 if [ -z "${SOURCE_DATE_EPOCH-}" ]; then
@@ -44,9 +54,20 @@ rm -rf "$build/sources" "$build/out"
 mkdir "$build/sources"
 tar xzf "$sdist" -C "$build/sources" --strip-components 1
 
+# The wheel takes every file LICENSE* beside pyproject.toml: these two are of what rustc links into it.
+sysroot=$(rustc --print sysroot)
+notices=$(ls "$sysroot"/share/doc/rust*/COPYRIGHT-library.html 2>/dev/null | head -n 1)
+if [ -z "$notices" ]; then
+    echo "build-wheel: this Rust has no COPYRIGHT-library.html, the licences of its library: install one with rustup, 1.85 or newer." >&2
+    exit 1
+fi
+cp "$notices" "$build/sources/LICENSE-rust-library.html"
+"$(dirname "$maturin")/python" tools/gather_licences.py telespring-py "${TARGET:-$(rustc -vV | sed -n 's/^host: //p')}" \
+    >"$build/sources/LICENSE-linked-crates.txt"
+
 # Names of files are in the messages of a panic.
 RUSTFLAGS="--remap-path-prefix=$build/sources=/telespring --remap-path-prefix=${CARGO_HOME:-$HOME/.cargo}=/cargo"
-RUSTFLAGS="$RUSTFLAGS --remap-path-prefix=$(rustc --print sysroot)=/rust"
+RUSTFLAGS="$RUSTFLAGS --remap-path-prefix=$sysroot=/rust"
 export RUSTFLAGS
 # A folder of its own: other flags would make cargo build everything else anew each time.
 CARGO_TARGET_DIR=$build/target

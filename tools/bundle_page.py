@@ -3,7 +3,8 @@
     tools/bundle_page.py CORE.wasm OUT.html
 
 The modules of `page/` are joined in the order of their imports. They share one scope, so no name may be
-defined in two of them; that is checked.
+defined in two of them; that is checked. The licences of what is inside stand in a comment, since the page
+is handed on alone.
 """
 
 from __future__ import annotations
@@ -13,6 +14,8 @@ import gzip
 import re
 import sys
 from pathlib import Path
+
+from gather_licences import licences
 
 PAGE = Path(__file__).resolve().parent.parent / "page"
 _IMPORT = re.compile(r'^import \{[^}]*\} from "\./(?P<name>[a-z]+\.js)";\n', re.MULTILINE)
@@ -56,6 +59,18 @@ def script(sources: dict[str, str]) -> str:
     return f'(() => {{\n"use strict";\n{joined}}})();'
 
 
+def own_licence() -> str:
+    """Return the licence of the page itself."""
+    return f"telespring\n\n{(PAGE.parent / 'LICENSE').read_text(encoding='utf-8')}\n"
+
+
+def comment(text: str) -> str:
+    """Return a text as it may stand in a comment of HTML."""
+    if re.search("-->|--!>", text):
+        raise SystemExit("page: a licence contains the end of a comment")
+    return text.strip()
+
+
 def bundle(core: bytes) -> str:
     """Return the page as one text."""
     page = (PAGE / "page.html").read_text(encoding="utf-8")
@@ -63,6 +78,7 @@ def bundle(core: bytes) -> str:
         "/* STYLE */": (PAGE / "style.css").read_text(encoding="utf-8").strip(),
         "/* CORE */": base64.b64encode(gzip.compress(core, 9, mtime=0)).decode("ascii"),
         "/* SCRIPT */": script(modules()),
+        "/* LICENCES */": comment(own_licence() + licences("telespring-wasm", "wasm32-unknown-unknown")),
     }
     for mark, part in parts.items():
         if page.count(mark) != 1:

@@ -42,9 +42,11 @@ sources=$(ls -d "$place"/usr/src/rustc-*/library 2>/dev/null | head -n 1)
     echo "debian-wasm.sh found no sources of the standard library below $place." >&2
     exit 1
 }
-# where cargo looks for them
-mkdir -p "$place/usr/lib/rustlib/src/rust"
-ln -sfn "$sources" "$place/usr/lib/rustlib/src/rust/library"
+# where cargo looks for them; Debian's own link leads there since 1.96
+if [ ! -e "$place/usr/lib/rustlib/src/rust/library/std" ]; then
+    mkdir -p "$place/usr/lib/rustlib/src/rust"
+    ln -sfn "$sources" "$place/usr/lib/rustlib/src/rust/library"
+fi
 linker=$(find "$HOME/.rustup/toolchains" -name rust-lld 2>/dev/null | head -n 1)
 linker=${linker:-$(command -v wasm-ld || command -v rust-lld || true)}
 [ -n "$linker" ] || {

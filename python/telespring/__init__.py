@@ -31,7 +31,6 @@ from telespring.model import (
     Uncertainty,
     hman,
 )
-from telespring.rehearsal import rehearse
 from telespring.theory.criteria import (
     Crossing,
     NoiseFit,
@@ -80,21 +79,6 @@ from telespring.theory.verdicts import (
     is_stable_over_delays,
     is_stable_over_stiffnesses,
     verdicts,
-)
-from telespring.traces import (
-    BurstFit,
-    JitterFit,
-    MissingRows,
-    PlayedTrace,
-    PlayoutChoice,
-    RecordedWay,
-    Trace,
-    TraceAssessment,
-    TraceEvidence,
-    TraceFit,
-    TraceStatistics,
-    assess_trace,
-    read_trace,
 )
 
 __all__ = [
@@ -226,6 +210,7 @@ if TYPE_CHECKING:
     from telespring.recording import SessionRecording as SessionRecording
     from telespring.recording import merge_recordings as merge_recordings
     from telespring.recording import read_recording as read_recording
+    from telespring.rehearsal import rehearse as rehearse
     from telespring.replays import Replay as Replay
     from telespring.replays import SiteRecording as SiteRecording
     from telespring.replays import replay as replay
@@ -234,30 +219,57 @@ if TYPE_CHECKING:
     from telespring.sweeps import survey_dyads as survey_dyads
     from telespring.sweeps import sweep as sweep
     from telespring.sweeps import unsafe_quantile as unsafe_quantile
+    from telespring.traces import BurstFit as BurstFit
+    from telespring.traces import JitterFit as JitterFit
+    from telespring.traces import MissingRows as MissingRows
+    from telespring.traces import PlayedTrace as PlayedTrace
+    from telespring.traces import PlayoutChoice as PlayoutChoice
+    from telespring.traces import RecordedWay as RecordedWay
+    from telespring.traces import Trace as Trace
+    from telespring.traces import TraceAssessment as TraceAssessment
+    from telespring.traces import TraceEvidence as TraceEvidence
+    from telespring.traces import TraceFit as TraceFit
+    from telespring.traces import TraceStatistics as TraceStatistics
+    from telespring.traces import assess_trace as assess_trace
+    from telespring.traces import read_trace as read_trace
 else:
     # Hidden from type checkers, which would accept every name.
-    # Importing matplotlib takes long, so `plot` waits until it is used; answers, comparisons and recordings
-    # wait, too.
+    # Importing matplotlib takes long, so `plot` waits until it is used. So does all that runs trials or reads
+    # files: half of the package, without which the criteria are there at once.
     __getattr__ = old_names(
         __name__,
         submodules=("plot",),
         late={
             "Answer": "telespring.answer",
             "BidsExport": "telespring.exchange",
+            "BurstFit": "telespring.traces",
             "Comparison": "telespring.comparison",
+            "JitterFit": "telespring.traces",
+            "MissingRows": "telespring.traces",
+            "PlayedTrace": "telespring.traces",
+            "PlayoutChoice": "telespring.traces",
+            "RecordedWay": "telespring.traces",
             "Replay": "telespring.replays",
             "SessionRecording": "telespring.recording",
             "SiteRecording": "telespring.replays",
+            "Trace": "telespring.traces",
+            "TraceAssessment": "telespring.traces",
+            "TraceEvidence": "telespring.traces",
+            "TraceFit": "telespring.traces",
+            "TraceStatistics": "telespring.traces",
             "analyse_recording": "telespring.analysis.sessions",
+            "assess_trace": "telespring.traces",
             "compare": "telespring.comparison",
             "decide": "telespring.answer",
+            "explore": "telespring.app.widget",
             "export_bids": "telespring.exchange",
             "export_mat": "telespring.exchange",
-            "explore": "telespring.app.widget",
             "merge_recordings": "telespring.recording",
             "merge_shards": "telespring.sweeps",
             "merge_surveys": "telespring.sweeps",
             "read_recording": "telespring.recording",
+            "read_trace": "telespring.traces",
+            "rehearse": "telespring.rehearsal",
             "replay": "telespring.replays",
             "survey_dyads": "telespring.sweeps",
             "sweep": "telespring.sweeps",

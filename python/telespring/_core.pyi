@@ -21,13 +21,20 @@ from telespring._types import (
     PredictorChoice,
     SampledCertificate,
     SolverStatus,
+    Status,
     Tier,
     TraceFormat,
     Unavailable,
 )
 
 __all__ = [
+    "LEAST_PROBABILITY",
+    "LONGEST_DELAY",
     "POPULATION_BIN_RATIO",
+    "RESERVE",
+    "SOFTEST",
+    "STIFFEST",
+    "WITHIN",
     "Adversary",
     "Agent",
     "Architecture",
@@ -39,6 +46,7 @@ __all__ = [
     "Condition",
     "Coupling",
     "Crossing",
+    "Decision",
     "DelayBudget",
     "DelayLimit",
     "DelaySolution",
@@ -54,6 +62,7 @@ __all__ = [
     "HeldCoupling",
     "JitterFit",
     "JudgedNetwork",
+    "Knowledge",
     "Laboratory",
     "LaboratorySettings",
     "Network",
@@ -64,6 +73,7 @@ __all__ = [
     "OperatorRange",
     "PaperVerdict",
     "PlayedTrace",
+    "Question",
     "RecordedSite",
     "Recording",
     "Recordings",
@@ -82,6 +92,7 @@ __all__ = [
     "TraceFit",
     "TraceStatistics",
     "Uncertainty",
+    "VaryingDelay",
     "Verdict",
     "Verdicts",
     "__version__",
@@ -89,6 +100,7 @@ __all__ = [
     "certified_roots",
     "characteristic_roots",
     "check_usual",
+    "constant_delay",
     "critical_stiffness",
     "cross_inertia",
     "crossings",
@@ -98,8 +110,12 @@ __all__ = [
     "frequency_grid",
     "frequency_response",
     "hman",
+    "is_axis_stable",
+    "is_instability_proven",
+    "is_stable",
     "is_stable_over_delays",
     "is_stable_over_stiffnesses",
+    "is_within",
     "maximum_delay",
     "maximum_stiffness",
     "minimum_damping",
@@ -119,15 +135,24 @@ __all__ = [
     "spectral_abscissa",
     "stability_map",
     "stable_delays",
+    "stiffness_limit",
     "tally_population",
+    "tier_stiffness_limit",
     "transfer_matrix",
     "trial_seed",
     "unstable_root_count",
     "usual_range",
     "verdicts",
+    "worst_status",
 ]
 
 __version__: Final[str]
+LEAST_PROBABILITY: Final[float]
+LONGEST_DELAY: Final[float]
+RESERVE: Final[float]
+SOFTEST: Final[float]
+STIFFEST: Final[float]
+WITHIN: Final[float]
 
 # what a response is of: the dyad, the stiffness (N/m), the delay, the axis
 _Loop: TypeAlias = tuple[Dyad, float, Delay, int | str]
@@ -430,6 +455,10 @@ class Study:
     ) -> JudgedNetwork: ...
     @property
     def uncertainty(self) -> tuple[Uncertainty | None, Uncertainty | None]: ...
+    @property
+    def least_mass(self) -> FloatArray: ...
+    @property
+    def least_damping(self) -> FloatArray: ...
     @property
     def coulomb(self) -> FloatArray: ...
     @property
@@ -1521,6 +1550,100 @@ def is_stable_over_stiffnesses(
     network: Network,
     operator_range: OperatorRange | tuple[OperatorRange, OperatorRange] | None,
 ) -> bool: ...
+
+@final
+class Knowledge(_Record):
+    def __new__(
+        cls,
+        has_coupled_axes: bool,
+        stable_probability: float | None,
+        varying_stiffness_limit: float | None,
+        is_attack_searched: bool,
+    ) -> Knowledge: ...
+    has_coupled_axes: Final[bool]
+    stable_probability: Final[float | None]
+    varying_stiffness_limit: Final[float | None]
+    is_attack_searched: Final[bool]
+
+@final
+class VaryingDelay(_Record):
+    def __new__(
+        cls,
+        status: Status,
+        stiffness_limit: float,
+        is_attained: bool,
+        usable_stiffness: float,
+        tier: Tier | None,
+        attack: float | None,
+    ) -> VaryingDelay: ...
+    status: Final[Status]
+    stiffness_limit: Final[float]
+    is_attained: Final[bool]
+    usable_stiffness: Final[float]
+    tier: Final[Tier | None]
+    attack: Final[float | None]
+    recommended_stiffness: Final[float]
+
+@final
+class Decision(_Record):
+    def __new__(
+        cls,
+        verdicts: Verdicts,
+        known: Knowledge,
+        status: Status,
+        constant_delay_status: Status,
+        keeps_stiffness_reserve: bool,
+        keeps_delay_reserve: bool,
+        delay_limit: DelayLimit,
+        varying: VaryingDelay | None,
+    ) -> Decision: ...
+    verdicts: Final[Verdicts]
+    known: Final[Knowledge]
+    status: Final[Status]
+    constant_delay_status: Final[Status]
+    keeps_stiffness_reserve: Final[bool]
+    keeps_delay_reserve: Final[bool]
+    delay_limit: Final[DelayLimit]
+    varying: Final[VaryingDelay | None]
+    is_proven: Final[bool]
+    keeps_reserve: Final[bool]
+
+@final
+class Question:
+    def __new__(
+        cls,
+        dyad: Dyad,
+        network: Network,
+        operator_range: OperatorRange | tuple[OperatorRange, OperatorRange] | None,
+        has_playout_buffer: bool,
+        robot_springs: tuple[Operator, Operator] | None,
+        ages: JudgedNetwork | None,
+    ) -> Question: ...
+    @property
+    def is_bounded(self) -> bool: ...
+    @property
+    def is_as_stated(self) -> bool: ...
+    @property
+    def is_varying(self) -> bool: ...
+    @property
+    def is_held(self) -> bool: ...
+    def assumption(self, verdict: Verdict) -> Assumption: ...
+    def allowed(self, judged: Verdicts) -> StiffnessAllowed | None: ...
+    def decision(self, judged: Verdicts, known: Knowledge) -> Decision: ...
+    def varying(self, judged: Verdicts, known: Knowledge) -> VaryingDelay | None: ...
+    def is_usable(self, judged: Verdicts) -> bool: ...
+    def delay_limit(self, judged: Verdicts) -> DelayLimit: ...
+    def __eq__(self, value: object, /) -> bool: ...
+    def __ne__(self, value: object, /) -> bool: ...
+
+def is_stable(judged: Verdicts) -> bool: ...
+def is_axis_stable(axis: AxisVerdict) -> bool: ...
+def is_instability_proven(judged: Verdicts) -> bool: ...
+def stiffness_limit(judged: Verdicts) -> float: ...
+def tier_stiffness_limit(judged: Verdicts, tier: Tier) -> float | None: ...
+def constant_delay(judged: Verdicts) -> tuple[float, float]: ...
+def is_within(delay: float, limit: DelayLimit) -> bool: ...
+def worst_status(statuses: Sequence[Status]) -> Status: ...
 
 @final
 class DelaySolution:

@@ -22,6 +22,9 @@ TraceDoubt: TypeAlias = Literal["short", "slow", "delays below 1 ms"]
 Tier: TypeAlias = Literal[
     "any network", "bounded varying delay", "age in a range", "any constant delay", "constant delay"
 ]
+# "marginal" is stable without the reserve; "not proven" is stable as far as was examined, where something
+# that was not examined may decide
+Status: TypeAlias = Literal["stable", "marginal", "not proven", "unstable"]
 Assumption: TypeAlias = Literal["met", "met behind playout buffer", "not met"]
 Unavailable: TypeAlias = Literal[
     "coupling damping with grounded operator",

@@ -11,7 +11,8 @@ _FRAME = """# Try it
 Move a slider: the verdict, its margins and the map follow. Nothing leaves this page.
 <a href="../{name}">Open it on its own</a> to save it or to send it to a colleague.
 
-<iframe class="try-it" src="../{name}" title="telespring: try a dyad" loading="lazy"></iframe>
+<iframe class="try-it" src="../{name}" title="telespring: try a dyad" loading="lazy"
+allow="clipboard-write"></iframe>
 """
 
 _ABSENT = """# Try it

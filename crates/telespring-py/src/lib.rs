@@ -11,6 +11,7 @@ mod axis;
 mod coupling;
 mod criteria;
 mod dde;
+mod decision;
 mod delay_system;
 mod errors;
 mod experiment;
@@ -54,6 +55,24 @@ mod _core {
     /// Each bin of `tally_population` ends at this many times the value at which it begins.
     #[pymodule_export]
     const POPULATION_BIN_RATIO: f64 = telespring::population::BIN_RATIO;
+    /// Share of the stiffness, and of the delay, that a stable dyad keeps in reserve.
+    #[pymodule_export]
+    const RESERVE: f64 = telespring::decision::RESERVE;
+    /// A dyad whose robots have errors is marginal if it is stable with a smaller probability.
+    #[pymodule_export]
+    const LEAST_PROBABILITY: f64 = telespring::decision::LEAST_PROBABILITY;
+    /// A factor that keeps rounding on the safe side of a limit.
+    #[pymodule_export]
+    const WITHIN: f64 = telespring::decision::WITHIN;
+    /// The smallest stiffness that is judged, N/m.
+    #[pymodule_export]
+    const SOFTEST: f64 = telespring::quantity::STIFFNESS.minimum();
+    /// The largest stiffness that is judged, N/m.
+    #[pymodule_export]
+    const STIFFEST: f64 = telespring::quantity::STIFFNESS.maximum();
+    /// The longest delay that is judged, one way, s.
+    #[pymodule_export]
+    const LONGEST_DELAY: f64 = telespring::quantity::DELAY.maximum();
     #[pymodule_export]
     use crate::adversary::Adversary;
     #[pymodule_export]
@@ -69,6 +88,11 @@ mod _core {
     };
     #[pymodule_export]
     use crate::dde::{DelaySolution, solve_dde};
+    #[pymodule_export]
+    use crate::decision::{
+        Decision, Knowledge, Question, VaryingDelay, constant_delay, is_axis_stable, is_instability_proven,
+        is_stable, is_within, stiffness_limit, tier_stiffness_limit, worst_status,
+    };
     #[pymodule_export]
     use crate::delay_system::DelaySystem;
     #[pymodule_export]
@@ -149,7 +173,16 @@ mod _core {
             module.getattr(name)?.setattr("__module__", "telespring")?;
         }
         // classes that the package does not list: pickles must find them
-        for name in ["HandleMotion", "Recording", "Recordings", "ReplayedSite", "RobotRecord"] {
+        for name in [
+            "Decision",
+            "HandleMotion",
+            "Knowledge",
+            "Recording",
+            "Recordings",
+            "ReplayedSite",
+            "RobotRecord",
+            "VaryingDelay",
+        ] {
             module.getattr(name)?.setattr("__module__", "telespring._core")?;
         }
         Ok(())

@@ -414,13 +414,26 @@ impl Study {
         )?;
         let traces = self.0.recorded_traces([forward.as_deref(), backward.as_deref()])?;
         let delay = delay.map(|delay| delay.check()).transpose()?;
-        Ok(self.0.judged_network(delay, traces)?.into())
+        Ok(JudgedNetwork(self.0.judged_network(delay, traces)?))
     }
 
     /// The uncertainty of each robot's parameters; None if they are certain.
     #[getter]
     fn uncertainty(&self) -> (Option<Uncertainty>, Option<Uncertainty>) {
         self.0.uncertainty().map(|robot| robot.cloned().map(Uncertainty)).into()
+    }
+
+    /// The mass that both robots have at least per axis, kg, as an array (2, axes): the lower end of its 95 % interval.
+    #[getter]
+    fn least_mass<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        by_robot(py, self.0.least_mass())
+    }
+
+    /// The damping that both robots have at least per axis, N·s/m, as an array (2, axes): the lower end of its 95 %
+    /// interval, or 0.
+    #[getter]
+    fn least_damping<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        by_robot(py, self.0.least_damping())
     }
 
     /// Coulomb friction of both robots of the study per axis, N, as an array (2, axes).
@@ -529,6 +542,12 @@ impl Study {
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
         Ok((PyType::new::<Self>(py).getattr("from_toml")?, (self.to_toml(),)))
     }
+}
+
+/// A number per axis of both robots as an array (2, axes).
+fn by_robot<'py>(py: Python<'py>, values: [Vec<f64>; 2]) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let axes = values[0].len();
+    values.concat().into_pyarray(py).reshape([2, axes])
 }
 
 /// Warns of keys that a study's text has at their old place, one warning for each.

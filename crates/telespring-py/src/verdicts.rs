@@ -402,7 +402,7 @@ impl<'py> Argument<Option<Ranges<'py>>> {
 }
 
 /// The ranges of both operators on all axes of a dyad.
-fn ranges_on(
+pub fn ranges_on(
     dyad: &telespring::Dyad,
     operator_range: Argument<Option<Ranges<'_>>>,
 ) -> Outcome<Option<[core::OperatorRange; 2]>> {

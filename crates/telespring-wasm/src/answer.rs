@@ -1,7 +1,9 @@
 //! The answer to a study, in the words and keys of `telespring decide --json`.
 
 use serde_json::{Value, json};
-use telespring::decision::{Decision, Holding, Question, RESERVE, constant_delay};
+use telespring::decision::{
+    Decision, Question, RESERVE, constant_delay, is_axis_stable, tier_stiffness_limit,
+};
 use telespring::study::Study;
 use telespring::verdicts::{Assumption, Tier, Verdict};
 use telespring::{Delay, Result};
@@ -12,10 +14,9 @@ use telespring::{Delay, Result};
 ///
 /// As [`Question::of_study`].
 pub fn cases(study: &Study, delay: Option<Delay>) -> Result<Vec<Question>> {
-    let question = |holding| Question::of_study(study, holding, delay, [None, None]);
-    let (stated, free) = (question(Holding::AsStated)?, question(Holding::Free)?);
-    let is_held = stated.operator_ranges.is_some() || stated.dyad.operators() != free.dyad.operators();
-    Ok(if is_held { vec![stated, free] } else { vec![stated] })
+    let stated = Question::of_study(study, delay, [None, None])?;
+    let free = if stated.is_held() { Some(stated.released()?) } else { None };
+    Ok([stated].into_iter().chain(free).collect())
 }
 
 /// The answer at the study's stiffness and delay. The keys are those of `telespring decide --json` (docs/study-json.md), as
@@ -46,7 +47,7 @@ pub fn decide(study: &Study) -> Result<Value> {
 pub fn attack(study: &Study, delay: f64, seed: u64) -> Result<Value> {
     let mut found: Option<f64> = None;
     for question in cases(study, Some(at_mean(study, delay)?))? {
-        if question.is_bounded && !question.network.is_constant() {
+        if question.is_bounded() && !question.network.is_constant() {
             let judged = question.judge(study.coupling()?.stiffness)?.with_attack(&question.dyad, seed);
             found = judged.tier(Tier::AgeInRange).attack.into_iter().chain(found).reduce(f64::min);
         }
@@ -94,7 +95,7 @@ fn decision_json(question: &Question, decision: &Decision, stated: Delay) -> Val
         },
         "sample_period": verdicts.network.sample_period(),
         "axes": axes_json(decision),
-        "verdicts": verdicts_json(question, decision, limit),
+        "verdicts": verdicts_json(question, decision),
         "paper_agrees": verdicts.paper.agrees,
         "sampled_stable": verdicts.sampled_stable,
         "over_operator_ranges": question.operator_ranges.is_some(),
@@ -144,7 +145,7 @@ fn axes_json(decision: &Decision) -> Vec<Value> {
                 "maximum_stiffness": most.and_then(finite),
                 "maximum_stiffness_unbounded": most.is_some_and(f64::is_infinite),
                 "sampled_abscissa": axis.sampled.map(|sampled| sampled.abscissa_equivalent).and_then(finite),
-                "stable": axis.tiers[Tier::ConstantDelay as usize].satisfied && axis.sampled_stable != Some(false),
+                "stable": is_axis_stable(axis),
             })
         })
         .collect()
@@ -155,11 +156,11 @@ fn key(tier: Tier) -> String {
     tier.name().replace(' ', "_")
 }
 
-fn verdicts_json(question: &Question, decision: &Decision, limit: f64) -> Value {
+fn verdicts_json(question: &Question, decision: &Decision) -> Value {
     let verdicts = &decision.verdicts;
     let mut found = serde_json::Map::new();
     for verdict in &verdicts.tiers {
-        found.insert(key(verdict.tier), verdict_json(question, decision, verdict, limit));
+        found.insert(key(verdict.tier), verdict_json(question, decision, verdict));
     }
     let paper = &verdicts.paper;
     found.insert(
@@ -175,27 +176,17 @@ fn verdicts_json(question: &Question, decision: &Decision, limit: f64) -> Value 
     Value::Object(found)
 }
 
-/// Whether the ages in use meet the assumption of a tier.
+/// Whether the ages in use meet the assumption of a tier, in a word.
 fn assumption(question: &Question, verdict: &Verdict) -> &'static str {
-    let is_any = verdict.tier == Tier::AnyNetwork;
-    match verdict.assumption {
-        _ if question.has_unjudged || (!question.is_bounded && !is_any) => "not met",
-        _ if !question.is_bounded => "met",
-        Assumption::Met => "met",
-        // No buffer takes up what is lost, queued or forged.
-        _ if !question.is_as_stated => "not met",
-        _ => "met behind playout buffer",
+    match question.assumption(verdict) {
+        None => "not met",
+        Some(Assumption::Met) => "met",
+        Some(_) => "met behind playout buffer",
     }
 }
 
-fn verdict_json(question: &Question, decision: &Decision, verdict: &Verdict, limit: f64) -> Value {
-    let is_sampled = decision.verdicts.sampled_stable.is_some();
-    // For a constant delay the bound is that of continuous controllers; `limit` is the one with those in question.
-    let own = match verdict.tier {
-        Tier::ConstantDelay if is_sampled => Some(limit),
-        Tier::AnyConstantDelay if is_sampled => None,
-        _ => verdict.stiffness_bound,
-    };
+fn verdict_json(question: &Question, decision: &Decision, verdict: &Verdict) -> Value {
+    let own = tier_stiffness_limit(&decision.verdicts, verdict.tier);
     json!({
         "name": verdict.tier.name(),
         "stiffness_allowed": verdict.stiffness_bound.and_then(finite),

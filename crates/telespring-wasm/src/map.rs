@@ -129,12 +129,7 @@ pub fn bounds(study: &Study, delay: f64) -> Result<Value> {
     let mut tiers = [f64::INFINITY; 5];
     for question in cases(study, Some(at_mean(study, delay)?))? {
         let judged = question.judge(PROBE)?;
-        let found = if question.is_bounded {
-            judged.stiffness_allowed.map(|allowed| allowed.stiffness)
-        } else {
-            judged.tier(Tier::AnyNetwork).stiffness_bound
-        };
-        allowed = allowed.min(found.unwrap_or(0.0));
+        allowed = allowed.min(question.allowed(&judged).map_or(0.0, |allowed| allowed.stiffness));
         constant = constant.min(stiffness_limit(&judged));
         for (least, verdict) in tiers.iter_mut().zip(&judged.tiers) {
             *least = least.min(verdict.stiffness_bound.unwrap_or(0.0));

@@ -93,6 +93,7 @@ pub fn values(study: &Study) -> Result<Value> {
         "sample_period": timing.sample_period(),
         "computing_time": timing.computing_time(),
         "session": study.session().label(),
+        "allow_unusual": study.allows_unusual(),
         "is_judged_as_stated": judged.is_as_stated,
         "ages_from": judged.sources.iter().map(|source| source.word()).collect::<Vec<_>>(),
         "not_judged": judged.unjudged.iter().map(|each| each.word()).collect::<Vec<_>>(),

@@ -24,7 +24,7 @@ const FLOORS: [(&str, &[&str]); 18] = [
     ("response", &["error", "quantity", "model", "characteristic", "criteria"]),
     ("verdicts", &["error", "quantity", "model", "poly", "characteristic", "criteria"]),
     ("study", &["error", "quantity", "session", "model", "criteria", "verdicts", "rig"]),
-    ("decision", &["error", "model", "verdicts", "rig", "study"]),
+    ("decision", &["error", "quantity", "model", "verdicts", "rig", "study"]),
 ];
 
 /// All Rust files under a folder.

@@ -1,1 +1,1 @@
-"""The interactive page: opened by the command `explore`, and shown in notebooks."""
+"""The interactive page: opened by the command `explore`, inside the report, and shown in notebooks."""

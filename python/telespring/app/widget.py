@@ -22,6 +22,7 @@ export default {
     frame.title = "telespring: is this coupling stable?";
     frame.setAttribute("sandbox", "allow-scripts allow-downloads allow-popups");
     frame.style.cssText = "width: 100%; height: 860px; border: 0";
+    frame.setAttribute("allow", "clipboard-write *");
     frame.srcdoc = model.get("_page");
     const hear = (event) => {
       if (event.source !== frame.contentWindow || event.data?.telespring !== "study") return;

@@ -25,7 +25,7 @@ from telespring.cli.figure_file import check_figure_name, check_not_an_input, sa
 from telespring.cli.grip import read_grip
 from telespring.cli.question import StudyOptions
 from telespring.cli.terminal import screen_console, show
-from telespring.cli.units import RATE, TIME, number
+from telespring.cli.units import DAMPING, RATE, TIME, number
 from telespring.model import Study
 
 if TYPE_CHECKING:
@@ -94,6 +94,24 @@ def decide_command(
     continuous: Annotated[
         bool, typer.Option("--continuous", help="Continuous controllers: --sample-period 0.")
     ] = False,
+    computing_time: Annotated[
+        float | None,
+        typer.Option(
+            parser=_TIME,
+            metavar="TIME",
+            help="Time from reading the samples to applying the force, at most the sample period.",
+            show_default="as the study says, or none",
+        ),
+    ] = None,
+    coupling_damping: Annotated[
+        float | None,
+        typer.Option(
+            parser=number(DAMPING),
+            metavar="N·s/m",
+            help="A virtual damper beside the spring, over the same network.",
+            show_default="as the study says, or none",
+        ),
+    ] = None,
     horizon: Annotated[
         float | None,
         typer.Option(
@@ -164,6 +182,7 @@ def decide_command(
         asked.take_ping(
             ping, delay, backward, jitter=jitter, ping_jitter=ping_jitter, check_unusual=not allow_unusual
         )
+        asked.take("coupling", "damping", coupling_damping, "--coupling-damping")
         asked.take("network", "max_gap", max_gap, "--max-gap")
         asked.take("network", "playout_buffer", playout_buffer, "--playout-buffer")
         if continuous and sample_period:
@@ -174,6 +193,14 @@ def decide_command(
                 "Leave out one of them.",
             )
         asked.take("controller", "sample_period", 0.0 if continuous else sample_period, "--sample-period")
+        if continuous and computing_time:
+            raise InvalidInput(
+                "--continuous",
+                f"beside --computing-time {computing_time}",
+                "a continuous controller computes in no time",
+                "Leave out one of them.",
+            )
+        asked.take("controller", "computing_time", computing_time, "--computing-time")
         if continuous:
             asked.take("controller", "computing_time", 0.0, "--continuous")
         _take_grips(asked, grip, grip1, grip2, allow_unusual=allow_unusual)

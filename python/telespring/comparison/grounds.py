@@ -9,7 +9,6 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from statistics import NormalDist
 from types import MappingProxyType
 from typing import Literal
 
@@ -26,8 +25,6 @@ __all__ = ["STRATEGY_GROUNDS", "Place", "find_grounds"]
 _OUTSIDE_OF_THE_LOOP = frozenset({"hold", "shared-target"})
 #: The share of the energy behind a held force that may come out in one sample period without being foreseen.
 _UNFORESEEN = 0.1
-#: The lower end of a 95 % interval is so many standard deviations away.
-_QUANTILE = NormalDist().inv_cdf(0.975)
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,21 +73,12 @@ class Place:
     @cached_property
     def mass(self) -> FloatArray:
         """The mass that each robot has at least, kg, (robot, axis)."""
-        return self._least("mass")
+        return self.study.least_mass
 
     @cached_property
     def damping(self) -> FloatArray:
         """The damping that each robot has at least, N·s/m, (robot, axis)."""
-        return np.maximum(self._least("damping"), 0.0)
-
-    def _least(self, name: str) -> FloatArray:
-        known = zip(self.study.dyad.robots, self.study.uncertainty, strict=True)
-        return np.array(
-            [
-                getattr(robot, name) - (0.0 if sd is None else _QUANTILE * getattr(sd, f"{name}_sd"))
-                for robot, sd in known
-            ]
-        )
+        return self.study.least_damping
 
 
 def find_grounds(place: Place) -> tuple[Grounds | Literal[""], Lack | Literal[""]]:
@@ -122,15 +110,13 @@ def _lack_of_guard(place: Place) -> Lack | None:
 
 
 def _lack_of_spring(place: Place) -> Lack | None:
-    """Trust the verdict on the spring that follows the motion as played, if forces act as it assumes."""
-    settings = place.experiment.settings
+    """Trust the verdict on the spring that follows the motion as played, if forces act as it assumes.
+
+    It counts a computing tick of the laboratory as a computing time of one period, whatever time is stated.
+    """
     if place.study.session.predictor not in _OUTSIDE_OF_THE_LOOP:
         return "known prediction"
-    judged = place.study.replace(network={"delay": place.delay}).network
-    # a shorter computing time does not count the whole tick
-    if settings.computing_tick and not 0.0 < judged.sample_period <= judged.computing_time:
-        return "force without a computing tick"
-    if settings.actuator_lag > 0.0:
+    if place.experiment.settings.actuator_lag > 0.0:
         return "force without a lag"
     return None if place.verdict == "stable" else "stable spring"
 

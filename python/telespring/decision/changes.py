@@ -9,7 +9,7 @@ import numpy as np
 
 from telespring._core import usual_range
 from telespring.decision.bisection import largest_usable
-from telespring.decision.question import STIFFEST, Question, constant_delay, is_within
+from telespring.decision.question import STIFFEST, Question, constant_delay, is_stable, is_within
 from telespring.decision.reserve import RESERVE, WITHIN
 from telespring.decision.usable import (
     SOFTEST_USUAL,
@@ -226,8 +226,7 @@ def _least_damping(question: Question, stiffness: float) -> float:
     later = question.at_delay(((1.0 + RESERVE) * forward, (1.0 + RESERVE) * backward))
     judged = later.judge(min((1.0 + RESERVE) * stiffness, STIFFEST))
     # No remedy is given for what is stable, nor where no rule gives one.
-    is_stable = judged.tier("constant delay").satisfied and judged.sampled_stable is not False
-    return 0.0 if is_stable else judged.remedies.damping or np.inf
+    return 0.0 if is_stable(judged) else judged.remedies.damping or np.inf
 
 
 def _with_damping(question: Question, added: float) -> Question:

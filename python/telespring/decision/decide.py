@@ -9,24 +9,24 @@ import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from telespring._core import JudgedNetwork
+from telespring import _core
 from telespring._html import table
 from telespring.decision.changes import Changes, Guarantee, find_changes, find_guarantees
 from telespring.decision.question import (
     Question,
     are_axes_independent,
-    are_roots_counted,
     constant_delay,
     constant_delay_tier,
+    is_axis_stable,
     is_instability_proven,
     is_stable,
     stiffness_limit,
 )
-from telespring.decision.reserve import LEAST_PROBABILITY, Status
+from telespring.decision.reserve import Status
 from telespring.decision.uncertainty import MarginUncertainty, RobotUncertainty, margin_uncertainty
 from telespring.decision.usable import RobotErrors
-from telespring.decision.varying_delay import VaryingDelay, varying_delay
-from telespring.model import DyadAxis, Network
+from telespring.decision.varying_delay import VaryingDelay, limit_with_errors
+from telespring.model import DyadAxis, JudgedNetwork, Network
 from telespring.theory.criteria import Crossing, decay_stiffness
 from telespring.theory.verdicts import AxisVerdict, OperatorPoint, Tier, Verdicts
 
@@ -120,7 +120,7 @@ class AxisDecision:
     @property
     def stable(self) -> bool:
         """Whether the delay is stable for every operator, under sampled controllers too if they sample."""
-        return constant_delay_tier(self.verdict).satisfied and self.verdict.sampled_stable is not False
+        return is_axis_stable(self.verdict)
 
     def _bound(self, name: Tier) -> float:
         bound = next(tier.stiffness_bound for tier in self.verdict.tiers if tier.tier == name)
@@ -136,31 +136,17 @@ class Decision:
 
     Attributes
     ----------
-    verdicts
-        The verdicts of all tiers and of the paper, with the stiffness and network in question.
+    question
+        What is answered, with the network in question.
+    answer
+        What the core decides: status, reserve, and what holds while the delay varies.
     axes
         The margins axis by axis.
     horizon
         Stable intervals are listed up to this one-way delay, s.
-    keeps_stiffness_reserve, keeps_delay_reserve
-        Whether it stays stable with 5 % more stiffness, and with 5 % more delay.
-    delay_limit
-        Shorter one-way delays are stable, s, with the controllers in question; 0 if none is, infinite
-        if no delay destabilises. The mean of both ways, which grow in their proportion.
-    delay_limit_attained
-        Whether the limit of the delay is itself stable: sampled controllers see whole periods only.
-    delay_limit_proven
-        Whether the limit is at most 5 % and a period low; if not, a search over ranges of operators was
-        cut off.
     added_damping
         More than this damping, N·s/m, must be added to both robots for a stable constant delay; 0 if it is
         stable now, infinite if no damping is known to suffice.
-    over_operator_ranges
-        Whether operators are ranges.
-    has_playout_buffer
-        Whether a playout buffer is promised, which makes the delay constant.
-    varying
-        The answer without a playout buffer; None if the delay does not vary.
     decay_rate
         The rate, 1/s, at which every motion but the common drift should decay; None if none was given.
     decay_stiffness
@@ -182,26 +168,15 @@ class Decision:
         where the axes of a robot are not independent, so that nothing is proven.
     guarantees
         What is stable on more networks than the one in question, where both answers are "stable".
-    ages
-        What the study's network and session make of the ages in use; None without a study.
-    stated
-        The network as the study states it; None without a study.
     arms
         Stability in the study's own arms; None if it was not requested.
     """
 
-    verdicts: Verdicts
+    question: Question
+    answer: _core.Decision
     axes: tuple[AxisDecision, ...]
     horizon: float
-    keeps_stiffness_reserve: bool
-    keeps_delay_reserve: bool
-    delay_limit: float
-    delay_limit_attained: bool
-    delay_limit_proven: bool
     added_damping: float
-    over_operator_ranges: bool
-    has_playout_buffer: bool = False
-    varying: VaryingDelay | None = None
     decay_rate: float | None = None
     decay_stiffness: tuple[tuple[float, float], ...] = ()
     uncertainty: MarginUncertainty | None = None
@@ -210,8 +185,6 @@ class Decision:
     free: Decision | None = None
     changes: Changes | None = None
     guarantees: tuple[Guarantee, ...] = ()
-    ages: JudgedNetwork | None = None
-    stated: Network | None = None
     arms: ArmStability | None = None
 
     def __repr__(self) -> str:
@@ -246,18 +219,12 @@ class Decision:
         A playout buffer that nobody promised does not count. Where something is not judged (`ages.unjudged`),
         nothing is proven.
         """
-        if self.ages is not None and self.ages.unjudged:
-            return "not proven"
-        if self.varying is None or self.has_playout_buffer:
-            return self.constant_delay_status
-        is_good = self.varying.status in {"stable", "marginal"}
-        return "not proven" if is_good and self.axes_independent is False else self.varying.status
+        return self.answer.status
 
     @property
     def worst_status(self) -> Status:
         """The answer for free and held handles together, the worse of both."""
-        answers = [each.status for each in (self, self.free) if each is not None]
-        return max(answers, key=("stable", "marginal", "not proven", "unstable").index)
+        return _core.worst_status([each.status for each in (self, self.free) if each is not None])
 
     @property
     def constant_delay_status(self) -> Status:
@@ -265,18 +232,37 @@ class Decision:
 
         Where no buffer can make the delay constant, it is `status`.
         """
-        if self.varying is not None and not self.is_as_stated:
-            return self.status
-        if not self.stable:
-            return "unstable" if self.is_instability_proven else "not proven"
-        if not self.is_proven:
-            return "not proven"
-        return "stable" if self.keeps_reserve else "marginal"
+        return self.answer.constant_delay_status
+
+    @property
+    def verdicts(self) -> Verdicts:
+        """The verdicts of all tiers and of the paper, with the stiffness and network in question."""
+        return self.answer.verdicts
+
+    @property
+    def varying(self) -> VaryingDelay | None:
+        """The answer without a playout buffer; None if the delay does not vary."""
+        return self.answer.varying
+
+    @property
+    def keeps_stiffness_reserve(self) -> bool:
+        """Whether it stays stable with 5 % more stiffness."""
+        return self.answer.keeps_stiffness_reserve
+
+    @property
+    def keeps_delay_reserve(self) -> bool:
+        """Whether it stays stable with 5 % more delay."""
+        return self.answer.keeps_delay_reserve
+
+    @property
+    def keeps_reserve(self) -> bool:
+        """Whether it has the reserve of stiffness and delay, and is probable enough if robots have errors."""
+        return self.answer.keeps_reserve
 
     @property
     def is_proven(self) -> bool:
         """Whether nothing that was not examined may decide: coupled axes, roots that were not counted."""
-        return are_roots_counted(self.verdicts) and self.axes_independent is not False
+        return self.answer.is_proven
 
     @property
     def is_instability_proven(self) -> bool:
@@ -284,13 +270,42 @@ class Decision:
         return is_instability_proven(self.verdicts)
 
     @property
-    def keeps_reserve(self) -> bool:
-        """Whether it has the reserve of stiffness and delay, and is probable enough if robots have errors."""
-        return (
-            self.keeps_stiffness_reserve
-            and self.keeps_delay_reserve
-            and (self.uncertainty is None or self.uncertainty.stable.value >= LEAST_PROBABILITY)
-        )
+    def delay_limit(self) -> float:
+        """Shorter one-way delays are stable, s, with the controllers in question.
+
+        0 if none is, infinite if no delay destabilises. The mean of both ways, which grow in proportion.
+        """
+        return self.answer.delay_limit.delay
+
+    @property
+    def delay_limit_attained(self) -> bool:
+        """Whether the limit of the delay is itself stable: sampled controllers see whole periods only."""
+        return self.answer.delay_limit.attained
+
+    @property
+    def delay_limit_proven(self) -> bool:
+        """Whether the limit is at most 5 % and a period low; if not, a search over ranges was cut off."""
+        return self.answer.delay_limit.proven
+
+    @property
+    def over_operator_ranges(self) -> bool:
+        """Whether operators are ranges."""
+        return self.question.operator_ranges is not None
+
+    @property
+    def has_playout_buffer(self) -> bool:
+        """Whether a playout buffer is promised, which makes the delay constant."""
+        return self.question.has_playout_buffer
+
+    @property
+    def ages(self) -> JudgedNetwork | None:
+        """What the study's network and session make of the ages in use; None without a study."""
+        return self.question.ages
+
+    @property
+    def stated(self) -> Network | None:
+        """The network as the study states it; None without a study."""
+        return self.question.stated
 
     @property
     def stiffness(self) -> float:
@@ -320,12 +335,12 @@ class Decision:
     @property
     def is_bounded(self) -> bool:
         """Whether the ages of the motion in use have a bound."""
-        return self.ages is None or self.ages.ages is not None
+        return self.question.is_bounded
 
     @property
     def is_as_stated(self) -> bool:
         """Whether delay, jitter and gap are all that makes the ages: a playout buffer takes them up."""
-        return self.ages is None or self.ages.is_as_stated
+        return self.question.is_as_stated
 
     @property
     def sampled_stable(self) -> bool | None:
@@ -452,10 +467,24 @@ def _judge(
     mean = 0.5 * (forward + backward)
     horizon = horizon if horizon is not None else max(1.0, 2.0 * mean)
     worst = question.held_by(judged)
-    certain = uncertainty == (None, None) or are_axes_independent(records) is False
-    longest = question.delay_limit(judged)
+    are_coupled = are_axes_independent(records) is False
+    known = None
+    if uncertainty != (None, None) and not are_coupled:
+        known = margin_uncertainty(
+            worst, uncertainty, stiffness, (forward, backward), sampling=question.sampling
+        )
+    answer = question.core.decision(
+        judged,
+        _core.Knowledge(
+            has_coupled_axes=are_coupled,
+            stable_probability=None if known is None else known.stable.value,
+            varying_stiffness_limit=limit_with_errors(question, uncertainty),
+            is_attack_searched=seed is not None,
+        ),
+    )
     return Decision(
-        verdicts=judged,
+        question,
+        answer,
         axes=tuple(
             AxisDecision(
                 verdict,
@@ -464,26 +493,12 @@ def _judge(
             for axis, verdict in zip(worst, judged.axes, strict=True)
         ),
         horizon=horizon,
-        keeps_stiffness_reserve=question.keeps_stiffness_reserve(judged),
-        keeps_delay_reserve=question.keeps_delay_reserve(judged, longest),
-        delay_limit=longest.delay,
-        delay_limit_attained=longest.attained,
-        delay_limit_proven=longest.proven,
         added_damping=0.0 if is_stable(judged) else judged.remedies.damping or math.inf,
-        over_operator_ranges=question.operator_ranges is not None,
-        has_playout_buffer=question.has_playout_buffer,
-        varying=varying_delay(question, judged, uncertainty, is_attacked=seed is not None),
         decay_rate=decay_rate,
         decay_stiffness=() if decay_rate is None else tuple(decay_stiffness(worst, mean, decay_rate)),
-        uncertainty=None
-        if certain
-        else margin_uncertainty(
-            worst, uncertainty, stiffness, (forward, backward), sampling=question.sampling
-        ),
-        robots_without_errors=tuple(i for i, known in enumerate(uncertainty, start=1) if known is None),
+        uncertainty=known,
+        robots_without_errors=tuple(i for i, each in enumerate(uncertainty, start=1) if each is None),
         robot_records=records,
-        ages=question.ages,
-        stated=question.stated,
     )
 
 

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from telespring._core import JudgedNetwork
 from telespring.decision.bisection import largest_usable
 from telespring.decision.question import (
     LONGEST_DELAY,
@@ -29,7 +28,7 @@ from telespring.decision.usable import (
     recommended_stiffness,
 )
 from telespring.decision.varying_delay import VaryingDelay, usable_delay_while_varying, varying_delay
-from telespring.model import Network
+from telespring.model import JudgedNetwork, Network
 from telespring.theory.verdicts import Verdicts
 
 if TYPE_CHECKING:
@@ -54,6 +53,8 @@ class DelayLimits:
 
     Attributes
     ----------
+    question
+        The question at this delay.
     verdicts
         The bounds of every tier, with the network in question; its stiffness means nothing.
     stiffness_limit
@@ -64,17 +65,23 @@ class DelayLimits:
         limit, 0 if there is none.
     varying
         What holds without a playout buffer; None if the delay does not vary. Its status means nothing.
-    ages, stated
-        What the study's network and session make of the ages in use, and the network as the study states it;
-        None without a study.
     """
 
+    question: Question
     verdicts: Verdicts
     stiffness_limit: float
     usable_stiffness: float
     varying: VaryingDelay | None = None
-    ages: JudgedNetwork | None = None
-    stated: Network | None = None
+
+    @property
+    def ages(self) -> JudgedNetwork | None:
+        """What the study's network and session make of the ages in use; None without a study."""
+        return self.question.ages
+
+    @property
+    def stated(self) -> Network | None:
+        """The network as the study states it; None without a study."""
+        return self.question.stated
 
     @property
     def delay(self) -> tuple[float, float]:
@@ -275,12 +282,11 @@ def _delay_limits(question: Question, errors: RobotErrors) -> DelayLimits:
     if math.isfinite(most):
         usable = largest_usable(lambda stiffness: is_usable(question, stiffness, errors), most, least=SOFTEST)
     return DelayLimits(
+        question,
         judged,
         stiffness_limit=limit,
         usable_stiffness=usable,
         varying=varying_delay(question, judged, errors.robots),
-        ages=question.ages,
-        stated=question.stated,
     )
 
 

@@ -2,30 +2,32 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from telespring._core import JudgedNetwork, check_usual
-from telespring.decision.reserve import RESERVE
-from telespring.model import Dyad, Network, Operator, OperatorRange, Study
-from telespring.theory.verdicts import (
-    AxisTier,
-    AxisVerdict,
-    DelayLimit,
-    Verdict,
-    Verdicts,
-    delay_limit,
-    is_stable_over_delays,
-    is_stable_over_stiffnesses,
-    verdicts,
+from telespring import _core
+from telespring._core import (
+    LONGEST_DELAY,
+    SOFTEST,
+    STIFFEST,
+    JudgedNetwork,
+    check_usual,
+    constant_delay,
+    is_axis_stable,
+    is_instability_proven,
+    is_stable,
+    is_within,
+    stiffness_limit,
+    tier_stiffness_limit,
 )
+from telespring.model import Dyad, Network, Operator, OperatorRange, Study
+from telespring.theory.verdicts import AxisTier, AxisVerdict, DelayLimit, Verdicts, verdicts
 
 if TYPE_CHECKING:
-    from telespring._types import Assumption, Delay
+    from telespring._types import Delay
     from telespring.study.robot_file import RobotRecord
 
 __all__ = [
@@ -35,62 +37,19 @@ __all__ = [
     "Question",
     "Texts",
     "are_axes_independent",
-    "are_roots_counted",
-    "assumption_of",
     "constant_delay",
     "constant_delay_tier",
+    "is_axis_stable",
     "is_instability_proven",
     "is_stable",
     "is_within",
     "refuse_unusual",
     "stiffness_limit",
+    "tier_stiffness_limit",
 ]
 
 #: The content of recorded traces, forward and backward.
 Texts: TypeAlias = tuple[str | None, str | None]
-#: The longest delay that is judged, one way, s.
-LONGEST_DELAY = 100.0
-#: The smallest and the largest stiffness that is judged, N/m.
-SOFTEST, STIFFEST = 1e-6, 1e7
-
-
-def is_stable(judged: Verdicts) -> bool:
-    """Return whether the constant delay is stable for every operator, sampled controllers included."""
-    return judged.tier("constant delay").satisfied and judged.sampled_stable is not False
-
-
-def is_instability_proven(judged: Verdicts) -> bool:
-    """Return whether some operator in question is unstable; if not, a search over ranges was cut off."""
-    constant = judged.tier("constant delay")
-    sampled = (axis.sampled for axis in judged.axes)
-    return (not constant.satisfied and constant.proven) or any(
-        each is not None and not each.stable for each in sampled
-    )
-
-
-def are_roots_counted(judged: Verdicts) -> bool:
-    """Return whether no root that sampled controllers give was left out of the count."""
-    sampled = (axis.sampled for axis in judged.axes)
-    return all(each is None or each.certificate != "incomplete" for each in sampled)
-
-
-def assumption_of(verdict: Verdict, ages: JudgedNetwork | None) -> Assumption:
-    """Return whether the ages in use, a study's or the network's own, meet the assumption of a tier."""
-    if ages is None:
-        return verdict.assumption
-    if ages.unjudged:
-        return "not met"
-    if ages.ages is None:
-        return "met" if verdict.tier == "any network" else "not met"
-    if not ages.is_as_stated and verdict.assumption == "met behind playout buffer":
-        # No buffer takes up what is lost, queued or forged.
-        return "not met"
-    return verdict.assumption
-
-
-def constant_delay(judged: Verdicts) -> tuple[float, float]:
-    """Return the delay that is judged, s: the network's, or that behind the playout buffer."""
-    return judged.tier("constant delay").buffer_delay or judged.network.delay
 
 
 def constant_delay_tier(axis: AxisVerdict) -> AxisTier:
@@ -98,16 +57,11 @@ def constant_delay_tier(axis: AxisVerdict) -> AxisTier:
     return next(tier for tier in axis.tiers if tier.tier == "constant delay")
 
 
-def stiffness_limit(judged: Verdicts) -> float:
-    """Return the stiffness, N/m, below which every one is stable at the delay, sampling included."""
-    sampled = [axis.sampled_stiffness_bound for axis in judged.axes]
-    bounds = [judged.tier("constant delay").stiffness_bound, *sampled]
-    return min((bound for bound in bounds if bound is not None), default=math.nan)
-
-
 @dataclass(frozen=True)
 class Question:
     """A dyad over a network, for one pair of operators or for ranges of them; the home of what is asked.
+
+    What is decided about it is decided by its `core`, which the page asks, too.
 
     Attributes
     ----------
@@ -208,14 +162,26 @@ class Question:
         )
 
     @property
+    def core(self) -> _core.Question:
+        """The question as the core asks it."""
+        return _core.Question(
+            self.dyad,
+            self.network,
+            self.operator_ranges,
+            self.has_playout_buffer,
+            self.robot_springs,
+            self.ages,
+        )
+
+    @property
     def is_bounded(self) -> bool:
         """Whether the ages of the motion in use have a bound."""
-        return self.ages is None or self.ages.ages is not None
+        return self.core.is_bounded
 
     @property
     def is_as_stated(self) -> bool:
         """Whether delay, jitter and gap are all that makes the ages: a playout buffer takes them up."""
-        return self.ages is None or self.ages.is_as_stated
+        return self.core.is_as_stated
 
     @property
     def unjudged(self) -> tuple[str, ...]:
@@ -225,15 +191,7 @@ class Question:
     @property
     def is_varying(self) -> bool:
         """Whether the age of the motion in use varies, if nobody promises a playout buffer."""
-        return not (self.network.is_constant and self.is_bounded)
-
-    @property
-    def lasting_delays(self) -> tuple[tuple[float, float], ...]:
-        """Constant delays, s, that the network may keep for long: one that is unstable is enough."""
-        if self.ages is not None:
-            return self.ages.lasting
-        (forward, backward), (more, more_backward) = self.network.delay, self.network.jitters
-        return (forward, backward), (forward + more, backward + more_backward)
+        return self.core.is_varying
 
     @property
     def sampling(self) -> tuple[float, float]:
@@ -243,13 +201,7 @@ class Question:
     @property
     def is_held(self) -> bool:
         """Whether anything holds a handle besides the robot's own spring."""
-        ranges = self.operator_ranges
-        operators = self.dyad.operators if ranges is None else [each.high for each in ranges]
-        springs = self.robot_springs or (Operator(), Operator())
-        return any(
-            bool(each.mass.any() or each.damping.any() or (each.stiffness != spring.stiffness).any())
-            for each, spring in zip(operators, springs, strict=True)
-        )
+        return self.core.is_held
 
     def released(self) -> Question:
         """Return the question with free handles: only the robots' own springs stay."""
@@ -284,36 +236,12 @@ class Question:
         )
         return Dyad(*self.dyad.robots, (one, other), self.dyad.coupling_damping)
 
-    def keeps_stiffness_reserve(self, judged: Verdicts) -> bool:
-        """Return whether it is stable up to 5 % more stiffness; beyond a limit also down to 5 % less."""
-        k, limit = judged.stiffness, stiffness_limit(judged)
-        most = (1.0 + RESERVE) * k
-        if most <= limit:
-            return True
-        if most > STIFFEST or not is_stable(judged):
-            return False
-        # Above a limit it is stable in an island of stiffnesses.
-        least = k if k < limit else (1.0 - RESERVE) * k
-        return is_stable_over_stiffnesses(self.dyad, (least, most), self.network, self.operator_ranges)
-
-    def keeps_delay_reserve(self, judged: Verdicts, limit: DelayLimit) -> bool:
-        """Return whether the dyad is stable up to 5 % more delay; beyond a limit also down to 5 % less.
-
-        Both ways grow by that share.
-        """
-        mean = 0.5 * sum(constant_delay(judged))
-        if is_within((1.0 + RESERVE) * mean, limit):
-            return True
-        # Beyond a limit it is stable in an island of delays: a shorter delay may be unstable, too.
-        factors = (1.0 if is_within(mean, limit) else 1.0 - RESERVE, 1.0 + RESERVE)
-        return is_stable_over_delays(self.dyad, judged.stiffness, self.network, factors, self.operator_ranges)
-
     def delay_limit(self, judged: Verdicts) -> DelayLimit:
         """Return the first delay, the mean of both ways, that is unstable at the stiffness judged.
 
         Both ways grow in the proportion that they have in the network.
         """
-        return delay_limit(self.dyad, judged.stiffness, self.network, self.operator_ranges)
+        return self.core.delay_limit(judged)
 
 
 def _at(network: Network, delay: Delay) -> Network:
@@ -350,12 +278,6 @@ def are_axes_independent(records: tuple[RobotRecord | None, RobotRecord | None])
     """Return whether identification found the axes of both robots independent; None if it is not known."""
     independent = [None if record is None else record.independent for record in records]
     return False if False in independent else None if None in independent else True
-
-
-def is_within(delay: float, limit: DelayLimit) -> bool:
-    """Return whether a mean delay, s, is below a limit, or at one that is itself stable."""
-    # A delay that is a whole number of periods remains one in spite of rounding.
-    return delay <= limit.delay * (1.0 + 1e-9) if limit.attained else delay < limit.delay
 
 
 def refuse_unusual(

@@ -6,14 +6,7 @@ from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from typing import TYPE_CHECKING, NamedTuple
 
 from telespring._core import usual_range
-from telespring.decision.question import (
-    Question,
-    are_axes_independent,
-    are_roots_counted,
-    constant_delay,
-    is_stable,
-    stiffness_limit,
-)
+from telespring.decision.question import Question, are_axes_independent, constant_delay, stiffness_limit
 from telespring.decision.reserve import LEAST_PROBABILITY, RESERVE, WITHIN
 from telespring.decision.uncertainty import RobotUncertainty, stable_probability
 
@@ -74,13 +67,7 @@ class RobotErrors(NamedTuple):
 def is_usable(question: Question, stiffness: float, errors: RobotErrors) -> bool:
     """Return whether `decide` calls a stiffness, N/m, stable at the constant delay, the axes apart."""
     judged = question.judge(stiffness)
-    return (
-        is_stable(judged)
-        and are_roots_counted(judged)
-        and question.keeps_stiffness_reserve(judged)
-        and question.keeps_delay_reserve(judged, question.delay_limit(judged))
-        and errors.allow(question, judged)
-    )
+    return question.core.is_usable(judged) and errors.allow(question, judged)
 
 
 def largest_stiffness_with_reserve(question: Question, judged: Verdicts) -> float:

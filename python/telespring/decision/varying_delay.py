@@ -1,86 +1,41 @@
-"""What is proven while the delay varies, where no playout buffer makes it constant."""
+"""What is proven while the delay varies, where no playout buffer makes it constant.
+
+The core judges it (`telespring::decision::VaryingDelay`); what errors of the robots take away is found here.
+"""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from statistics import NormalDist
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from telespring._core import Knowledge, VaryingDelay
 from telespring.decision.bisection import largest_usable
-from telespring.decision.question import STIFFEST, is_instability_proven
-from telespring.decision.reserve import LEAST_PROBABILITY, RESERVE, WITHIN, Status
-from telespring.decision.usable import recommended_stiffness
-from telespring.model import Dyad, Network, Operator, OperatorRange, Robot
+from telespring.decision.question import STIFFEST
+from telespring.decision.reserve import LEAST_PROBABILITY, RESERVE
+from telespring.model import Dyad, Operator, OperatorRange, Robot
 
 if TYPE_CHECKING:
     from telespring.decision.question import Question
     from telespring.decision.uncertainty import RobotUncertainty
     from telespring.theory.verdicts import Tier, Verdicts
 
-__all__ = ["VaryingDelay", "usable_delay_while_varying", "varying_delay"]
+__all__ = ["VaryingDelay", "limit_with_errors", "usable_delay_while_varying", "varying_delay"]
 
 _LIGHTEST = 1e-4
 #: A stiffness to ask the verdicts for their bounds, which do not depend on it, N/m.
 _PROBE = 1.0
 
 
-@dataclass(frozen=True)
-class VaryingDelay:
-    """The answer without a playout buffer: the age of a sample varies within the jitter and the gaps.
-
-    Attributes
-    ----------
-    status
-        "stable" if a tier proves it for every variation, with the reserve of stiffness and, where the robots
-        have errors, with the least probability; "marginal" without one of these; "unstable" if one of the
-        constant delays in the range of the jitter is; else "not proven".
-    stiffness_limit
-        Every smaller stiffness is proven to be stable, N/m; infinite if there is no limit, 0 if no tier has
-        a rule.
-    is_attained
-        Whether this stiffness is itself proven.
-    usable_stiffness
-        The largest stiffness with the reserve and, where the robots have errors, with the least probability,
-        N/m: it is called stable.
-    tier
-        The tier that proves it; None if none has a rule. That of an age in a range holds where no sample is
-        played after a newer one, as telespring's play-out does.
-    attack
-        At this stiffness, N/m, a network was found that varies the delay so and makes the motion grow;
-        infinite if the search found none, None if none was searched. It is simulated with the operators that
-        allow the least. At other stiffnesses above the limit nothing is known.
-    """
-
-    status: Status
-    stiffness_limit: float
-    is_attained: bool
-    usable_stiffness: float
-    tier: Tier | None
-    attack: float | None = None
-
-    @property
-    def recommended_stiffness(self) -> float:
-        """The usable stiffness, N/m, as far as laboratories use one: `decide` accepts it without question."""
-        return recommended_stiffness(self.usable_stiffness)
-
-
 def varying_delay(
     question: Question,
     judged: Verdicts,
     uncertainty: tuple[RobotUncertainty | None, RobotUncertainty | None] = (None, None),
-    *,
-    is_attacked: bool = False,
 ) -> VaryingDelay | None:
     """Judge a question without a playout buffer; None if its delay does not vary.
-
-    `is_attacked` says that the verdicts were asked to search for an attack.
-
-    In tiers 1 and 2 more delay needs no judgement of its own: the stiffness that a tier allows falls with it
-    no faster than in proportion, so that the reserve of stiffness is one of delay, too. Where the age in a
-    range allows more, it must allow the stiffness with 5 % more and 5 % less delay, too.
 
     Examples
     --------
@@ -90,44 +45,26 @@ def varying_delay(
     >>> [varying_delay(question, question.judge(k)).status for k in (80.0, 88.0, 95.0, 140.0)]
     ['stable', 'marginal', 'not proven', 'unstable']
     """
-    if not question.is_varying:
-        return None
-    limit, attained, tier = _allowed(question, judged)
-    worst_limit = _limit_with_errors(question, uncertainty, judged)
-    if tier == "age in a range":
-        nearby = [_limit_at(question, factor) for factor in (1.0 - RESERVE, 1.0 + RESERVE)]
-    else:
-        nearby = []
-    usable = min(limit / (1.0 + RESERVE), worst_limit, *nearby)
-    attack = judged.tier("age in a range").attack if is_attacked else None
-    is_attacked = is_attacked and question.is_bounded
-    return VaryingDelay(
-        _status(question, judged, usable),
-        limit,
-        attained,
-        WITHIN * usable,
-        tier,
-        attack=(math.inf if attack is None else attack) if is_attacked else None,
+    return question.core.varying(
+        judged,
+        Knowledge(
+            has_coupled_axes=False,
+            stable_probability=None,
+            varying_stiffness_limit=limit_with_errors(question, uncertainty),
+            is_attack_searched=False,
+        ),
     )
 
 
-def _limit_at(question: Question, factor: float) -> float:
-    """Return what is proven with this multiple of the delay, N/m, jitter and gaps unchanged."""
-    network = question.network
-    forward, backward = network.delay
-    timing = network.jitters, network.max_gap, network.sample_period, network.computing_time
-    longer = Network((factor * forward, factor * backward), *timing)
-    return _allowed(question, replace(question, network=longer).judge(_PROBE))[0]
+def limit_with_errors(
+    question: Question, uncertainty: tuple[RobotUncertainty | None, RobotUncertainty | None]
+) -> float | None:
+    """Return what is proven for all robots but a few while the delay varies, N/m.
 
-
-def _limit_with_errors(
-    question: Question,
-    uncertainty: tuple[RobotUncertainty | None, RobotUncertainty | None],
-    judged: Verdicts,
-) -> float:
-    """Return what is proven for all robots but a few, N/m."""
-    if uncertainty == (None, None):
-        return _allowed(question, judged)[0]
+    None if the robots have no errors, or if the delay does not vary.
+    """
+    if uncertainty == (None, None) or not question.is_varying:
+        return None
     worse = _worse_robots(question, uncertainty)
     if worse is None:
         return 0.0
@@ -177,32 +114,6 @@ def _deviations(question: Question, sides: int) -> float:
     """Return within how many standard errors all parameters are but in 5 % of cases, on one or both sides."""
     parameters = 2 * sum(len(robot.axes) for robot in question.dyad.robots)
     return NormalDist().inv_cdf(1.0 - (1.0 - LEAST_PROBABILITY) / (sides * parameters))
-
-
-def _allowed(question: Question, judged: Verdicts) -> tuple[float, bool, Tier | None]:
-    if not question.is_bounded:
-        anything = judged.tier("any network")
-        bound = anything.stiffness_bound
-        return (0.0, False, None) if bound is None else (bound, anything.attained, "any network")
-    allowed = judged.stiffness_allowed
-    return (0.0, False, None) if allowed is None else (allowed.stiffness, allowed.attained, allowed.tier)
-
-
-def _status(question: Question, judged: Verdicts, usable: float) -> Status:
-    k = judged.stiffness
-    if _is_proven(question, judged):
-        return "stable" if k <= usable else "marginal"
-    # A constant delay is one of the ways in which the delay may vary.
-    for delay in question.lasting_delays:
-        if is_instability_proven(question.at_delay(delay).judge(k)):
-            return "unstable"
-    return "not proven"
-
-
-def _is_proven(question: Question, judged: Verdicts) -> bool:
-    if not question.is_bounded:
-        return judged.tier("any network").satisfied
-    return any(tier.satisfied and tier.assumption_met for tier in judged.tiers)
 
 
 def _worse_robots(

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -19,7 +20,10 @@ from telespring.paper.section import Findings, Place, Section
 from telespring.paper.sections import SECTIONS
 from telespring.show.quantities import Style, digits_within, format_p_value, format_quantity, format_share
 
-__all__ = ["look_up", "places_of", "render", "render_section"]
+__all__ = ["MOST_BYTES", "look_up", "places_of", "render", "render_section"]
+
+#: A report stays below this, to be sent by mail: files that a section carries are left out first.
+MOST_BYTES = 3_000_000
 
 
 def look_up(numbers: Mapping[str, Any], key: str) -> Any:
@@ -39,8 +43,18 @@ def look_up(numbers: Mapping[str, Any], key: str) -> Any:
 def render(study: Mapping[str, Any], findings: Mapping[str, Findings], date: str = "") -> str:
     """Render the whole page, HTML that loads nothing from elsewhere, from the findings of any sections.
 
-    `date` is printed as it is; "" for none.
+    `date` is printed as it is; "" for none. Where the page would grow beyond `MOST_BYTES`, the files that its
+    sections carry are left out, and the sections say how to get them.
     """
+    page = _render(study, findings, date)
+    if len(page.encode()) <= MOST_BYTES:
+        return page
+    left_out = {name: replace(own, files=dict.fromkeys(own.files, "")) for name, own in findings.items()}
+    return _render(study, left_out, date)
+
+
+def _render(study: Mapping[str, Any], findings: Mapping[str, Findings], date: str) -> str:
+    """Render the whole page with all that its sections carry."""
     shown = [section for section in SECTIONS if _is_section_shown(section, findings)]
     return (
         _template_environment()
@@ -91,6 +105,7 @@ def render_section(section: Section, study: Mapping[str, Any], findings: Mapping
             of_the_paper=study["of_the_paper"],
             numbers=numbers,
             drawings={name: Markup(text) for name, text in own.drawings.items()},
+            files=own.files,
             q=quantity,
             share=share,
             p_value=p_value,
@@ -115,7 +130,7 @@ def places_of(sections: Sequence[Section]) -> list[Place]:
 def _is_section_shown(section: Section, findings: Mapping[str, Findings]) -> bool:
     """Whether a section has something to show: what computes nothing always has."""
     own = findings.get(section.name, Findings())
-    return section.find is None or bool(own.numbers or own.drawings)
+    return section.find is None or bool(own.numbers or own.drawings or own.files)
 
 
 @cache

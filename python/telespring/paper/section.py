@@ -22,10 +22,14 @@ class Findings:
         Keys of `study.json` with their values, in SI units; no two sections share a key.
     drawings
         Name to the text of one `<svg>` element.
+    files
+        Name to a file that the section carries, compressed (gzip) and written in base64; empty if it is left
+        out because the page would grow too large.
     """
 
     numbers: Mapping[str, Any] = field(default_factory=dict)
     drawings: Mapping[str, str] = field(default_factory=dict)
+    files: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

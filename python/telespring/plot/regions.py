@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from telespring._core import stiffness_limit
 from telespring._types import FloatArray
 from telespring.model import Dyad, DyadAxis, Network, OperatorRange
 from telespring.show.figures.maps import HORIZON, MapColumn, stable_depth
@@ -128,11 +129,7 @@ class MapQuestion:
     def stiffness_limit(self, delay: float) -> float:
         """Return the largest stiffness that a map shows as a limit at a delay, N/m; may be infinite."""
         judged = self.judge(delay)
-        bounds = [
-            judged.tier("constant delay").stiffness_bound,
-            *(axis.sampled_stiffness_bound for axis in judged.axes),
-        ]
-        constant = min((bound for bound in bounds if bound is not None), default=math.inf)
+        constant = stiffness_limit(judged)
         allowed = judged.stiffness_allowed if self.is_varying else None
         return constant if allowed is None else max(constant, allowed.stiffness)
 

@@ -10,7 +10,7 @@ from telespring.decision.arm_stability import ArmStability
 from telespring.decision.changes import Changes
 from telespring.decision.decide import AxisDecision, Decision
 from telespring.decision.limits import DelayLimits
-from telespring.decision.question import assumption_of
+from telespring.decision.question import tier_stiffness_limit
 from telespring.decision.reserve import RESERVE
 from telespring.decision.uncertainty import AxisUncertainty, MarginUncertainty
 from telespring.decision.varying_delay import VaryingDelay
@@ -18,7 +18,7 @@ from telespring.show.screens.ages import ages_notes
 from telespring.show.screens.arms import describe_unavailable_arms
 from telespring.show.screens.robots import robot_notes
 from telespring.show.tiers import TIERS
-from telespring.theory.verdicts import DelayBudget, StiffnessAllowed, Verdict
+from telespring.theory.verdicts import DelayBudget, StiffnessAllowed, Verdict, Verdicts
 
 __all__ = [
     "arm_stability_json",
@@ -106,13 +106,8 @@ def decision_json(decision: Decision) -> dict[str, Any]:
 
 def _stiffness_allowed(decision: Decision) -> StiffnessAllowed | None:
     """Return the largest stiffness of the tiers whose assumption the ages in use meet."""
-    if decision.ages is not None and decision.ages.unjudged:
-        return None
-    if decision.is_bounded:
-        return decision.verdicts.stiffness_allowed
-    anything = decision.verdicts.tier("any network")
-    bound = anything.stiffness_bound
-    return None if bound is None else StiffnessAllowed(bound, anything.attained, "any network")
+    question = decision.question
+    return None if question.unjudged else question.core.allowed(decision.verdicts)
 
 
 def network_json(found: Decision | DelayLimits) -> dict[str, Any]:
@@ -204,6 +199,7 @@ def _decision_verdict_json(decision: Decision, name: str) -> dict[str, Any]:
             tier.worst_axis,
             tier.satisfied,
         )
+    assumption = decision.question.core.assumption(tier)
     return {
         "name": name,
         "network": TIERS[name].network,
@@ -211,34 +207,27 @@ def _decision_verdict_json(decision: Decision, name: str) -> dict[str, Any]:
         "stiffness_allowed": None if bound is None else finite_or_none(bound),
         "stiffness_unbounded": bound is not None and math.isinf(bound),
         "attained": attained,
-        **(
-            {}
-            if name == "paper"
-            else sampled_bound_json(
-                tier, decision.stiffness_limit, is_sampled=decision.sampled_stable is not None
-            )
-        ),
+        **({} if name == "paper" else sampled_bound_json(tier, decision.verdicts)),
         "axis": None if axis is None else axes[axis],
         "satisfied": satisfied,
         **({} if name == "paper" else {"proven": tier.proven}),
-        "assumption_met": assumption_of(tier, decision.ages) == "met",
-        "assumption": assumption_of(tier, decision.ages),
+        "assumption_met": assumption == "met",
+        "assumption": assumption,
         "available": bound is not None,
         **({} if name == "paper" else {"unavailable": tier.unavailable}),
         **({} if name == "paper" or tier.ages is None else {"ages": [list(ages) for ages in tier.ages]}),
     }
 
 
-def sampled_bound_json(tier: Verdict, limit: float, *, is_sampled: bool) -> dict[str, Any]:
+def sampled_bound_json(tier: Verdict, judged: Verdicts) -> dict[str, Any]:
     """Return which controllers the bound of a tier is for, and the bound with those in question.
 
     `stiffness_allowed` of one constant delay is that of continuous controllers, even where those in question
-    sample; `limit` is the bound with them. For any constant delay there is no rule with sampled ones.
+    sample.
     """
     is_continuous = tier.tier in ("any constant delay", "constant delay")
-    bound: float | None = tier.stiffness_bound
-    if is_sampled and is_continuous:
-        bound = limit if tier.tier == "constant delay" else None
+    is_sampled = judged.sampled_stable is not None
+    bound = tier_stiffness_limit(judged, tier.tier)
     return {
         "controllers": "sampled" if is_sampled and not is_continuous else "continuous",
         "stiffness_limit": None if bound is None else finite_or_none(bound),

@@ -7,7 +7,6 @@ from typing import Any
 
 from telespring._json import finite_or_none
 from telespring.decision.limits import DelayLimits, Limits
-from telespring.decision.question import assumption_of
 from telespring.decision.reserve import LEAST_PROBABILITY, RESERVE
 from telespring.show.decision_json import network_json, sampled_bound_json, varying_json
 from telespring.show.screens.ages import ages_notes
@@ -80,11 +79,9 @@ def _delay_json(row: DelayLimits, axes: tuple[str, ...]) -> dict[str, Any]:
                 "stiffness_unbounded": tier.stiffness_bound is not None and math.isinf(tier.stiffness_bound),
                 "attained": tier.attained,
                 "proven": tier.proven,
-                **sampled_bound_json(
-                    tier, row.stiffness_limit, is_sampled=row.verdicts.sampled_stable is not None
-                ),
+                **sampled_bound_json(tier, row.verdicts),
                 "axis": None if tier.worst_axis is None else axes[tier.worst_axis],
-                "assumption_met": assumption_of(tier, row.ages) == "met",
+                "assumption_met": row.question.core.assumption(tier) == "met",
                 "available": tier.stiffness_bound is not None,
                 "unavailable": tier.unavailable,
             }

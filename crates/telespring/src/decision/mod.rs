@@ -5,47 +5,32 @@
 //! | [`Question`] | a dyad, what holds it, and the network that it is judged over |
 //! | [`Decision`] | the verdicts at one stiffness, the reserve that is kept, and the answer |
 //! | [`VaryingDelay`] | what is proven while the delay varies |
+//! | [`Knowledge`] | what is known beside the verdicts and counts in the answer |
 //!
-//! Masses and dampings count as exactly known: how probable an answer is where a robot's parameters have errors is not
-//! asked here.
+//! Verdicts count masses and dampings as exactly known and the axes as independent. Who knows better, as by an
+//! identification, says so in [`Knowledge`].
 
+mod constant_delay;
 mod question;
+mod status;
 mod varying;
 
-pub use question::{Holding, Question};
+pub use constant_delay::{
+    are_roots_counted, constant_delay, is_axis_stable, is_instability_proven, is_stable, is_within,
+    stiffness_limit, tier_stiffness_limit,
+};
+pub use question::Question;
+pub use status::{Knowledge, Status};
 pub use varying::VaryingDelay;
 
-use crate::verdicts::{Assumption, DelayLimit, SampledCertificate, Tier, Verdicts};
+use crate::verdicts::{DelayLimit, Verdicts};
 
 /// Share of the stiffness, and of the delay, that a stable dyad keeps in reserve; with less it is marginal.
 pub const RESERVE: f64 = 0.05;
-/// The largest stiffness that is judged, N/m.
-const STIFFEST: f64 = 1e7;
-
-/// The answer in one word.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Status {
-    /// Stable with the reserve.
-    Stable,
-    /// Stable without the reserve.
-    Marginal,
-    /// Something that was not examined may decide.
-    NotProven,
-    /// Unstable.
-    Unstable,
-}
-
-impl Status {
-    /// The word for it.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Stable => "stable",
-            Self::Marginal => "marginal",
-            Self::NotProven => "not proven",
-            Self::Unstable => "unstable",
-        }
-    }
-}
+/// A dyad whose robots have errors is marginal if it is stable with a smaller probability.
+pub const LEAST_PROBABILITY: f64 = 0.95;
+/// A factor that keeps rounding on the safe side of a limit.
+pub const WITHIN: f64 = 1.0 - 1e-9;
 
 /// The answer to a question at one stiffness.
 ///
@@ -67,9 +52,12 @@ impl Status {
 pub struct Decision {
     /// The verdicts at the stiffness in question.
     pub verdicts: Verdicts,
+    /// What is known beside them.
+    pub known: Knowledge,
     /// The answer.
     pub status: Status,
-    /// The answer at a constant delay, which with jitter or gaps needs a playout buffer.
+    /// The answer at a constant delay, which with jitter or gaps needs a playout buffer. Where no buffer can make the delay
+    /// constant, it is `status`.
     pub constant_delay_status: Status,
     /// Whether it stays stable with 5 % more stiffness.
     pub keeps_stiffness_reserve: bool,
@@ -87,6 +75,16 @@ impl Decision {
         is_stable(&self.verdicts)
     }
 
+    /// Whether nothing that was not examined may decide: coupled axes, roots that were not counted.
+    pub fn is_proven(&self) -> bool {
+        status::is_proven(&self.verdicts, &self.known)
+    }
+
+    /// Whether it has the reserve of stiffness and delay, and is probable enough if robots have errors.
+    pub fn keeps_reserve(&self) -> bool {
+        self.keeps_stiffness_reserve && self.keeps_delay_reserve && self.known.is_probable()
+    }
+
     /// Every smaller stiffness is stable at the delay of the decision, sampled controllers included, N/m; may be 0.
     pub fn stiffness_limit(&self) -> f64 {
         stiffness_limit(&self.verdicts)
@@ -96,54 +94,4 @@ impl Decision {
     pub fn constant_delay(&self) -> [f64; 2] {
         constant_delay(&self.verdicts)
     }
-}
-
-/// Whether the constant delay is stable for every operator, sampled controllers included.
-pub fn is_stable(judged: &Verdicts) -> bool {
-    judged.tier(Tier::ConstantDelay).satisfied && judged.sampled_stable != Some(false)
-}
-
-/// Whether some operator in question is unstable; if not, a search over ranges was cut off.
-pub fn is_instability_proven(judged: &Verdicts) -> bool {
-    let constant = judged.tier(Tier::ConstantDelay);
-    (!constant.satisfied && constant.proven)
-        || judged.axes.iter().filter_map(|axis| axis.sampled.as_ref()).any(|sampled| !sampled.is_stable())
-}
-
-/// Whether no root that sampled controllers give was left out of the count.
-pub fn are_roots_counted(judged: &Verdicts) -> bool {
-    let sampled = judged.axes.iter().filter_map(|axis| axis.sampled.as_ref());
-    sampled.into_iter().all(|found| found.certificate != SampledCertificate::Incomplete)
-}
-
-/// The stiffness (N/m) below which every one is stable at the delay, sampled controllers included.
-pub fn stiffness_limit(judged: &Verdicts) -> f64 {
-    let sampled = judged.axes.iter().filter_map(|axis| axis.sampled_stiffness_bound);
-    let constant = judged.tier(Tier::ConstantDelay).stiffness_bound;
-    constant.into_iter().chain(sampled).fold(f64::INFINITY, f64::min)
-}
-
-/// The delay that is judged, s: the network's, or that behind a playout buffer.
-pub fn constant_delay(judged: &Verdicts) -> [f64; 2] {
-    match judged.tier(Tier::ConstantDelay).assumption {
-        Assumption::MetBehindPlayoutBuffer { delay } => delay,
-        Assumption::Met => [judged.network.delay().forward(), judged.network.delay().backward()],
-    }
-}
-
-/// The answer at a constant delay.
-fn constant_delay_status(judged: &Verdicts, keeps_reserve: bool) -> Status {
-    if !is_stable(judged) {
-        return if is_instability_proven(judged) { Status::Unstable } else { Status::NotProven };
-    }
-    if !are_roots_counted(judged) {
-        return Status::NotProven;
-    }
-    if keeps_reserve { Status::Stable } else { Status::Marginal }
-}
-
-/// Whether a mean delay (s) is below a limit, or at one that is itself stable.
-fn is_within(delay: f64, limit: &DelayLimit) -> bool {
-    // A delay that is a whole number of periods remains one in spite of rounding.
-    if limit.attained { delay <= limit.delay * (1.0 + 1e-9) } else { delay < limit.delay }
 }

@@ -1,18 +1,36 @@
 //! What the guard is worth with a study's robots and controllers.
 
-use super::Study;
 use super::rehearsal::QUANTILE;
+use super::{Study, Uncertainty};
 use crate::error::Result;
+use crate::model::Robot;
 use crate::quantity;
 use crate::session::{AccountSettings, Overdraft};
 
 impl Study {
     /// The mass that each robot has at least, per axis, kg: the lower end of its 95 % interval.
-    pub(super) fn least_mass(&self, robot: usize) -> Vec<f64> {
-        let mass = self.dyad.robots()[robot].mass();
-        let sd = self.robots[robot].uncertainty.as_ref().map(|known| &known.mass_sd);
-        let least = |axis: usize| mass[axis] - sd.map_or(0.0, |sd| QUANTILE * sd[axis]);
-        (0..mass.len()).map(|axis| least(axis).max(quantity::MASS.minimum())).collect()
+    pub fn least_mass(&self) -> [Vec<f64>; 2] {
+        self.lower_ends(Robot::mass, |known| &known.mass_sd, quantity::MASS.minimum())
+    }
+
+    /// The damping that each robot has at least, per axis, N·s/m: the lower end of its 95 % interval, or 0.
+    pub fn least_damping(&self) -> [Vec<f64>; 2] {
+        self.lower_ends(Robot::damping, |known| &known.damping_sd, 0.0)
+    }
+
+    /// The lower ends of the 95 % intervals of a parameter of both robots, per axis, but not below `least`.
+    fn lower_ends(
+        &self,
+        values: fn(&Robot) -> &[f64],
+        deviations: fn(&Uncertainty) -> &Vec<f64>,
+        least: f64,
+    ) -> [Vec<f64>; 2] {
+        [0, 1].map(|robot| {
+            let known = self.robots[robot].uncertainty.as_ref().map(deviations);
+            let values = values(&self.dyad.robots()[robot]).iter().enumerate();
+            let end = |(axis, value)| value - known.map_or(0.0, |sd| QUANTILE * sd[axis]);
+            values.map(|value| end(value).max(least)).collect()
+        })
     }
 
     /// How far the guard's account can be overdrawn at a stiffness (N/m), on the axis with the least mass.
@@ -40,7 +58,7 @@ impl Study {
             encoder_step: self.setup.encoder_resolution,
             ..AccountSettings::new(stiffness, [0.0; 2])
         };
-        let least = (0..2).flat_map(|robot| self.least_mass(robot)).fold(f64::INFINITY, f64::min);
+        let least = self.least_mass().into_iter().flatten().fold(f64::INFINITY, f64::min);
         settings.overdraft(least)
     }
 }

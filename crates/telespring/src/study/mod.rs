@@ -303,6 +303,11 @@ impl Study {
         self.has_playout_buffer
     }
 
+    /// Whether the study accepts values that no laboratory has.
+    pub fn allows_unusual(&self) -> bool {
+        self.allows_unusual
+    }
+
     /// The study's coupling: spring and damper.
     ///
     /// # Errors

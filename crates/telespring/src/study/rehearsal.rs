@@ -163,17 +163,12 @@ impl Study {
 
     /// What the controllers of the laboratory do, and what they may count on.
     fn session_plan(&self) -> rig::SessionPlan {
-        let least_damping = [0, 1].map(|robot| {
-            let damping = self.dyad.robots()[robot].damping();
-            let sd = self.robots[robot].uncertainty.as_ref().map(|known| &known.damping_sd);
-            [0, 1].map(|axis| (damping[axis] - sd.map_or(0.0, |sd| QUANTILE * sd[axis])).max(0.0))
-        });
         let rig::Network { forward, backward } = &self.emulated_network.model;
         let jitters = [forward.jitter, backward.jitter];
         rig::SessionPlan {
             architecture: self.session,
-            least_damping,
-            least_mass: [0, 1].map(|robot| pair(&self.least_mass(robot))),
+            least_damping: self.least_damping().each_ref().map(|robot| pair(robot)),
+            least_mass: self.least_mass().each_ref().map(|robot| pair(robot)),
             lateness: jitters.map(|jitter| jitter + self.network.max_gap()),
             missing: self.missing(),
             has_playout_buffer: self.has_playout_buffer,

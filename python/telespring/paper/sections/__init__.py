@@ -6,6 +6,7 @@ from telespring.paper.sections.calibration.section import SECTION as CALIBRATION
 from telespring.paper.sections.comparison.section import SECTION as COMPARISON
 from telespring.paper.sections.examples.section import SECTION as EXAMPLES
 from telespring.paper.sections.experiment.section import SECTION as EXPERIMENT
+from telespring.paper.sections.explore.section import SECTION as EXPLORE
 from telespring.paper.sections.frequency.section import SECTION as FREQUENCY
 from telespring.paper.sections.identification.section import SECTION as IDENTIFICATION
 from telespring.paper.sections.laboratory.section import SECTION as LABORATORY
@@ -27,6 +28,7 @@ SECTIONS = (
     MODEL,
     ROBOTS,
     MAP,
+    EXPLORE,
     NYQUIST,
     FREQUENCY,
     RESPONSES,

@@ -83,7 +83,7 @@ def _verdict_table(decision: Decision) -> Fitting:
         if own.bound is None:
             rows.append((own.verdict.tier, formula, own.allowed, "–", "–", "–"))
             continue
-        applies = network_fits(own.verdict, decision.ages)
+        applies = network_fits(own.verdict, decision.question)
         rows.append((own.verdict.tier, formula, own.allowed, own.axis, _yes_or_no(own.is_satisfied), applies))
     headings = ("network", "rule", "k, N/m", "axis", "stable", "yours")
     return fitting_table(TABLE_TITLE, headings, rows, right=(2,), optional=(1,))

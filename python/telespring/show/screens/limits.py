@@ -227,7 +227,7 @@ def _tier_table(found: Limits) -> Fitting:
                 TIERS[own.verdict.tier].formula,
                 own.allowed,
                 own.axis,
-                network_fits(own.verdict, found.delays[0].ages),
+                network_fits(own.verdict, found.delays[0].question),
             )
             for own in tier_bounds(found.delays[0].verdicts)
         ]

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, NamedTuple
 from rich.text import Text
 
 from telespring.decision.changes import WIDER_TIERS
-from telespring.decision.question import assumption_of, is_stable, stiffness_limit
-from telespring.model import Architecture, Dyad, JudgedNetwork, Network, Operator, Robot
+from telespring.decision.question import Question, is_stable, stiffness_limit
+from telespring.model import Architecture, Dyad, Network, Operator, Robot
 from telespring.show.quantities import format_number, format_stiffness, format_time
 from telespring.theory.verdicts import Verdict, Verdicts
 
@@ -235,9 +235,9 @@ def network_clause(network: Network) -> str:
     return f"{given_delay(network.delay)}{f' and {more}' if more else ''}"
 
 
-def network_fits(verdict: Verdict, ages: JudgedNetwork | None) -> Text:
+def network_fits(verdict: Verdict, question: Question) -> Text:
     """Write whether a tier is about the network in question, for a narrow column."""
-    match assumption_of(verdict, ages):
+    match question.core.assumption(verdict):
         case "met":
             return Text("yes")
         case "met behind playout buffer":

@@ -1,0 +1,25 @@
+// A study with the values and the answer that the core makes of it.
+
+/** The paper's robots at a condition that is stable. */
+export const START = "coupling.stiffness = 71.2\nnetwork.delay = 0.1\n";
+/** What a study must have that a page shows; a file may leave it open. */
+const OPEN = { stiffness: "coupling.stiffness = 71.2", delay: "network.delay = 0.1" };
+
+/** A study with changes, {study, values, answer}; throws what the core refuses. */
+export function judged(engine, study, changes) {
+  let values = engine.study(study, changes);
+  const missing = Object.keys(OPEN).filter((key) => values[key] === null);
+  if (missing.length) values = engine.study(values.toml, missing.map((key) => OPEN[key]).join("\n"));
+  return { study: values.toml, values, answer: engine.decide(values.toml) };
+}
+
+/** The mean of the delays of both ways, s. */
+export const meanDelay = (values) => (values.delay[0] + values.delay[1]) / 2;
+
+/** The changes that put a study at a stiffness, N/m, and a mean delay, s, in the proportion of its ways. */
+export function movedTo(values, stiffness, delay, round) {
+  const mean = meanDelay(values);
+  const [forward, backward] = values.delay.map((way) => round(mean > 0 ? (way / mean) * delay : delay));
+  const delays = forward === backward ? String(forward) : `{forward = ${forward}, backward = ${backward}}`;
+  return `coupling.stiffness = ${round(stiffness)}\nnetwork.delay = ${delays}`;
+}

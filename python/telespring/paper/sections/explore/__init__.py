@@ -1,0 +1,1 @@
+"""The section `explore` of the report."""
