@@ -254,13 +254,14 @@ def test_law_killed_at_a_delicate_moment_it_ends_the_same(
     assert left_in(tmp_path) == RESULTS
 
 
+@pytest.mark.timeout(400)
 def test_law_killed_at_any_moment_it_ends_the_same(
     tiny: ts.Study, tiny_result: ts.Comparison, tmp_path: Path
 ) -> None:
     """SIGKILL after random times until it comes through; each start goes on where the last was."""
     study, out = written(tmp_path, tiny.to_toml()), tmp_path / "out"
     killed_until_it_comes_through(
-        lambda: started("compare", study, "--out", out, until=lambda _: out.exists()), out, mean=0.3, seed=5
+        lambda: started("compare", study, "--out", out, until=lambda _: out.exists()), out, mean=1.0, seed=5
     )
     assert ts.compare(tiny, out).dataset.identical(tiny_result.dataset)
     assert [name for name in left_in(out) if not name.endswith(".png")] == RESULTS

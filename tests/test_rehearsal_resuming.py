@@ -44,6 +44,7 @@ def _at_work(study: Path, out: Path) -> subprocess.Popen[bytes]:
     )
 
 
+@pytest.mark.timeout(400)
 @pytest.mark.parametrize("seed", [1, 2])
 def test_law_killed_at_any_moment_it_ends_with_the_same_dataset(seed: int, tmp_path: Path) -> None:
     """SIGKILL after random times until it comes through; each start goes on where the last was."""
