@@ -3,7 +3,7 @@
 import { roundUp, stiffness, time } from "./numbers.js";
 import { plane, pointerPlace } from "./plane.js";
 import { html, pathOf, svg } from "./svg.js";
-import { WORDS, isVarying, limits, worseOf } from "./words.js";
+import { WORDS, isVarying, limits, marginSentence, worseOf } from "./words.js";
 
 const COLUMNS = 500;
 /** Delays at which the verdicts while the delay varies are judged. */
@@ -50,7 +50,7 @@ export function createMap(host, { move, settle }) {
       width,
       height: Math.round(Math.min(0.72 * width + 40, 460)),
       x: { from: 0, to: extent.stiffness, label: "Stiffness of the spring, N/m", factor: 1 },
-      y: { from: 0, to: extent.delay, label: "Delay each way, ms", factor: 1e3 },
+      y: { from: 0, to: extent.delay, label: values.delay[0] === values.delay[1] ? "Delay each way, ms" : "Mean delay of both ways, ms", factor: 1e3 },
       label: "Map of what is stable",
       description: describe(values, answer),
     });
@@ -152,12 +152,11 @@ export function createMap(host, { move, settle }) {
 }
 
 function describe(values, answer) {
-  const at = limits(worseOf(answer));
   const delay = (values.delay[0] + values.delay[1]) / 2;
+  const decided = worseOf(answer);
   return (
     `Stiffness to the right, delay upwards; the shaded area is stable. Your study, ${stiffness(values.stiffness)} and ${time(delay)}, is ` +
-    `${WORDS[worseOf(answer).status].toLowerCase()}. At its delay the stiffness may be up to ${stiffness(at.stiffness, "down")}; ` +
-    `at its stiffness a constant delay may be up to ${time(at.delay, "down")}.`
+    `${WORDS[decided.status].toLowerCase()}. ${marginSentence(values, decided)}`
   );
 }
 
