@@ -6,12 +6,21 @@ import { createControls } from "./controls.js";
 import { createDetails } from "./details.js";
 import { DAMAGED, fromHash, toHash } from "./link.js";
 import { createMessage } from "./message.js";
+import { stiffness } from "./numbers.js";
 import { createRegion } from "./region.js";
 import { addPictureButtons, wireSharing } from "./sharing.js";
 import { START, judged } from "./study.js";
 
 /** What is said of a link that is damaged. */
 const DAMAGE = "The study in the address is damaged, perhaps since the link was cut: copy the whole link.";
+
+/** What a search for attacks has found, in words. */
+function attackWords(found, extent) {
+  const least = Math.min(...found.map((attack) => attack.stiffness ?? Infinity));
+  if (least === Infinity) return "No attack was found. That proves nothing: a cleverer one may exist.";
+  if (least > extent.stiffness) return `Attacks were found only from ${stiffness(least)} on, beyond the map. Below it nobody knows.`;
+  return "Crosses on the map mark where an attack was found.";
+}
 
 /** Runs the page in a document whose parts have their ids. `tell` hears of each study that stays. */
 export function runPage(engine, attackAt, { first, tell, isInside }) {
@@ -87,11 +96,13 @@ export function runPage(engine, attackAt, { first, tell, isInside }) {
     const isCurrent = () => state.study === own.study;
     try {
       const found = await region.addAttacks(own, attackAt, isCurrent);
-      if (isCurrent()) message.say(found.some((attack) => attack.stiffness !== null) ? "Crosses on the map mark where an attack was found." : "No attack was found. That proves nothing: a cleverer one may exist.");
+      if (isCurrent()) message.say(attackWords(found, region.extent()));
     } catch (error) {
       if (isCurrent()) message.warn(`The search failed: ${error.message}`);
     }
     part("attack").disabled = false;
+    // a button that is disabled loses the focus
+    if (document.activeElement === document.body) part("attack").focus({ preventScroll: true });
   });
   addEventListener("hashchange", () => {
     const study = fromHash(location.hash);

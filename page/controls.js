@@ -160,6 +160,8 @@ export function createControls(host, { change, refuse, settle }) {
       parts.push(...own);
       const group = html("details", { open: wasOpen.get(key) ?? isOpen ?? false, className: "group" }, html("summary", {}, html("h3", {}, title)), note ? html("p", { className: "hint" }, note) : null, ...own.map((part) => part.element), ...checksOf(key, values).map((each) => each.element));
       group.dataset.key = key;
+      // both robots have a mass: which one it is, a screen reader says by the group
+      group.setAttribute("aria-label", title);
       return group;
     });
     host.replaceChildren(...made);

@@ -86,7 +86,7 @@ export function createMotion(host) {
     stage.hidden = false;
     pullButton.disabled = false;
     runButton.textContent = "Stop";
-    status.textContent = "Drag the blue handle of robot 1, or press the button below the drawing. Both couplings feel the same hand.";
+    status.textContent = "Drag the blue handle of robot 1, or press “Pull robot 1 and let go”. Both couplings feel the same hand.";
     requestAnimationFrame(frame);
   };
   let live_axis = 0;

@@ -183,3 +183,27 @@ test("law_a_text_that_cannot_be_copied_is_not_called_copied", looked, async () =
   assert.ok(await page.evaluate(() => document.activeElement.id === "copy-command"), "the focus is lost");
   await close();
 });
+
+test("law_a_search_for_attacks_says_what_it_found", looked, async () => {
+  const { page, close } = await open();
+  assert.ok(await take(page, `${robots.replaceAll("5", "50")}coupling.stiffness = 10\nnetwork = {delay = 0.01, jitter = 0.001}\n`));
+  await page.waitForFunction(() => document.querySelector("#map .proven"));
+  await page.focus("#attack");
+  await page.keyboard.press("Enter");
+  await page.waitForFunction(() => /Attacks were found only/.test(document.querySelector("#message").textContent));
+  const { extent, attacks } = await page.evaluate(() => window.telespring.page.state());
+  assert.ok(attacks.every((attack) => attack.stiffness > extent.stiffness));
+  assert.equal(await page.evaluate(() => document.activeElement.id), "attack");
+  await close();
+});
+
+test("law_the_papers_boundary_has_no_spike", looked, async () => {
+  const { page, close } = await open();
+  // 25 N/m, where the sign in Eq. 9 is 0, is a column of this map
+  assert.ok(await take(page, `${robots}coupling.stiffness = 60\nnetwork.delay = 0.05\n`));
+  await page.waitForFunction(() => document.querySelector("#map .line.paper"));
+  const heights = await page.evaluate(() => [...document.querySelector("#map .line.paper").getAttribute("d").matchAll(/[ML][\d.-]+ ([\d.-]+)/g)].map((each) => Number(each[1])).filter((y) => y >= 0));
+  assert.ok(heights.length > 100);
+  assert.ok(heights.every((y, i) => i === 0 || y >= heights[i - 1] - 0.01), "the boundary rises");
+  await close();
+});
