@@ -200,7 +200,7 @@ test("law_a_search_for_attacks_says_what_it_found", looked, async () => {
 test("law_the_papers_boundary_has_no_spike", looked, async () => {
   const { page, close } = await open();
   // 25 N/m, where the sign in Eq. 9 is 0, is a column of this map
-  assert.ok(await take(page, `${robots}coupling.stiffness = 60\nnetwork.delay = 0.05\n`));
+  assert.ok(await take(page, `${robots}coupling.stiffness = 60\nnetwork.delay = 0.1\n`));
   await page.waitForFunction(() => document.querySelector("#map .line.paper"));
   const heights = await page.evaluate(() => [...document.querySelector("#map .line.paper").getAttribute("d").matchAll(/[ML][\d.-]+ ([\d.-]+)/g)].map((each) => Number(each[1])).filter((y) => y >= 0));
   assert.ok(heights.length > 100);
