@@ -64,30 +64,37 @@ export function runPage(engine, attackAt, { first, tell, isInside }) {
     return refusal;
   };
   /** A value stays: the map reaches as far as it needs, the address and whoever listens are told. */
-  const settle = () => {
+  const settle = (keep = "replaceState") => {
     region.reach(state);
     part("spoken").textContent = `${part("verdict").textContent}. ${part("margin").textContent}`;
     tell(state.study);
     try {
-      history.replaceState(null, "", toHash(state.study));
+      const hash = toHash(state.study);
+      if (hash !== location.hash) history[keep](null, "", hash);
     } catch {
       // inside a notebook there is no address of its own
     }
     later();
   };
-  const open = (study, changes = "") => {
+  /** Opens another study; the browser's way back leads to the one before, unless that is where it comes from. */
+  const open = (study, changes = "", keep = state.study ? "pushState" : "replaceState") => {
     if (refusalOf(() => take(study, changes))) return false;
     region.forget();
-    settle();
+    settle(keep);
     if (state.assumed.length) message.say(`The study leaves open ${state.assumed.join(" and ")}.`);
     return true;
   };
 
-  const controls = createControls(part("controls"), { change, refuse: message.warn, settle });
-  const region = createRegion(engine, part("map"), { change, settle });
+  const controls = createControls(part("controls"), { change, refuse: message.warn, settle: () => settle() });
+  const region = createRegion(engine, part("map"), { change, settle: () => settle() });
   const details = createDetails(engine, part, region);
+  const openStart = () => {
+    const before = state.study;
+    open("", START);
+    if (!isInside && state.study !== before) message.say("The browser's way back leads to your study again.");
+  };
   addPictureButtons(part, region, message);
-  wireSharing(part, message, { open, openStart: () => open("", START), study: () => state.study, isInside });
+  wireSharing(part, message, { open, openStart, study: () => state.study, isInside });
 
   part("attack").addEventListener("click", async () => {
     const own = { ...state };
@@ -107,7 +114,7 @@ export function runPage(engine, attackAt, { first, tell, isInside }) {
   addEventListener("hashchange", () => {
     const study = fromHash(location.hash);
     if (study === DAMAGED) message.warn(`${DAMAGE} The study on the page stays as it was.`);
-    else if (study !== null && study !== state.study) open(study);
+    else if (study !== null && study !== state.study) open(study, "", "replaceState");
   });
   let width = innerWidth;
   addEventListener("resize", () => {

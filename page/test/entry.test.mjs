@@ -207,3 +207,18 @@ test("law_the_papers_boundary_has_no_spike", looked, async () => {
   assert.ok(heights.every((y, i) => i === 0 || y >= heights[i - 1] - 0.01), "the boundary rises");
   await close();
 });
+
+test("law_the_way_back_leads_to_the_study_before", looked, async () => {
+  const { page, close } = await open();
+  await write(page, "#stiffness", "66");
+  const before = await study(page);
+  await page.click("#paper");
+  assert.match(await message(page), /way back/);
+  assert.equal((await values(page)).stiffness, 71.2);
+  await page.goBack();
+  await page.waitForFunction(() => window.telespring.page.state().values.stiffness === 66);
+  assert.equal(await study(page), before);
+  await page.goForward();
+  await page.waitForFunction(() => window.telespring.page.state().values.stiffness === 71.2);
+  await close();
+});

@@ -30,7 +30,7 @@ export default {
     let isOpen = false;
     const hear = (event) => {
       if (event.source !== frame.contentWindow || event.data?.telespring !== "study") return;
-      // A page opens with the study of the start; what Python or another view has put in its place since then counts.
+      // A page opens with the study of the start; what Python or another view has put since then counts.
       const isFirst = !isOpen;
       isOpen = true;
       if (isFirst && model.get("toml") && model.get("toml") !== event.data.study) return tell();
