@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from telespring.exchange.bids.labels import bids_label
 from telespring.exchange.material import Material, Session, Trial
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
     from telespring.recording import MarkedTrial
 
-__all__ = ["BidsEvent", "Run", "material_runs"]
+__all__ = ["BidsEvent", "Run", "material_runs", "mean_period"]
 
 
 @dataclass(frozen=True)
@@ -72,7 +73,7 @@ class Run:
     date
         Of the first sample, ns since 1970; None if it is not known.
     rates
-        Samples per second that each robot's site really took, Hz.
+        Ticks per second of each robot's site, Hz; NaN where the samples themselves are all that is known.
     clock_uncertainty
         s; 0 where one clock stamped both, NaN where it is not known.
     """
@@ -90,15 +91,19 @@ class Run:
 
     @property
     def period(self) -> float:
-        """The time between two samples, s."""
-        time = np.asarray(self.data["time"])
-        return float(np.median(np.diff(time))) if len(time) > 1 else math.nan
+        """The mean time between two samples, s."""
+        return mean_period(np.asarray(self.data["time"]))
 
     @property
     def duration(self) -> float:
         """From the first sample to one period after the last, s."""
         time = np.asarray(self.data["time"])
         return float(time[-1] - time[0]) + self.period
+
+
+def mean_period(time: NDArray[np.float64]) -> float:
+    """Return the mean time between two samples, s; NaN of a single one."""
+    return float(time[-1] - time[0]) / (len(time) - 1) if len(time) > 1 else math.nan
 
 
 def material_runs(material: Material, people: tuple[str, str] | None) -> list[Run]:
@@ -116,7 +121,6 @@ def material_runs(material: Material, people: tuple[str, str] | None) -> list[Ru
         acquisition = acquisitions[trial.condition]
         number = counts[labels, acquisition] = counts.get((labels, acquisition), 0) + 1
         time = np.asarray(trial.data["time"])
-        rate = 1.0 / float(np.median(np.diff(time))) if len(time) > 1 else math.nan
         runs.append(
             Run(
                 data=trial.data.assign_coords(time=time - time[0]),
@@ -127,7 +131,7 @@ def material_runs(material: Material, people: tuple[str, str] | None) -> list[Ru
                 dyad=_dyad_label(trial.dyad, labels),
                 events=(_trial_event(trial, 0.0),),
                 date=None,
-                rates=(rate, rate),
+                rates=(math.nan, math.nan),
                 clock_uncertainty=0.0,
             )
         )
