@@ -284,6 +284,7 @@ def _write_run(
             run.dyad,
             robot + 1,
             run.clock_uncertainty,
+            run.clock_scatter,
             "true" if material.is_simulated else "false",
         ]
     )

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from telespring.exchange.bids.labels import bids_label
-from telespring.exchange.material import Material, Session, Trial
+from telespring.exchange.material import Material, Session, Trial, clock_accuracy
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -76,6 +76,8 @@ class Run:
         Ticks per second of each robot's site, Hz; NaN where the samples themselves are all that is known.
     clock_uncertainty
         s; 0 where one clock stamped both, NaN where it is not known.
+    clock_scatter
+        s; of the comparisons of both clocks, where no bound of their error is known; NaN otherwise.
     """
 
     data: xr.Dataset
@@ -88,6 +90,7 @@ class Run:
     date: int | None
     rates: tuple[float, float]
     clock_uncertainty: float
+    clock_scatter: float = math.nan
 
     @property
     def period(self) -> float:
@@ -183,6 +186,7 @@ def _session_runs(session: Session, trials: Sequence[Trial], people: tuple[str, 
         if len(side.time) > 1:
             rates[number - 1] = 1e9 * (len(side.time) - 1) / float(side.time[-1] - side.time[0])
     sources = np.asarray(session.data["source"])
+    uncertainty, scatter = clock_accuracy(recording)
     counts: dict[tuple[str, str], int] = {}
     runs = []
     for labels, begin, end in spans:
@@ -196,10 +200,6 @@ def _session_runs(session: Session, trials: Sequence[Trial], people: tuple[str, 
             for event in recording.events
             if begin <= event.time <= end
         ]
-        if recording.clock is not None:
-            uncertainty = recording.clock.uncertainty
-        else:
-            uncertainty = 0.0 if len(recording.sides) == 1 else math.nan
         runs.append(
             Run(
                 data=data.assign_coords(time=np.asarray(data["time"]) - zero),
@@ -212,6 +212,7 @@ def _session_runs(session: Session, trials: Sequence[Trial], people: tuple[str, 
                 date=None if session.date is None else session.date + round(1e9 * zero),
                 rates=(rates[0], rates[1]),
                 clock_uncertainty=uncertainty,
+                clock_scatter=scatter,
             )
         )
     return runs

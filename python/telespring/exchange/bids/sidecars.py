@@ -49,6 +49,10 @@ SCANS: dict[str, Any] = {
         "Description": "largest error of the common time of both people; 0 where one clock stamped both",
         "Units": "s",
     },
+    "clock_scatter": {
+        "Description": "how much the comparisons of both clocks scatter, where no largest error is known",
+        "Units": "s",
+    },
     "simulated": {
         "Description": "whether a simulation made the recording",
         "Levels": {"true": "no person took part", "false": "people took part, or who did is not known"},
