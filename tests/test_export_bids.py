@@ -395,6 +395,24 @@ def test_law_another_pair_is_another_run(tmp_path: Path) -> None:
     assert float(event["onset"]) == pytest.approx(0.0, abs=0.01)
 
 
+def test_law_nothing_of_somebody_else_goes_to_the_pair(tmp_path: Path) -> None:
+    later = (1.2, 1, "participant P3")
+    marks = [*MARKS[:5], later]
+    recording = ts.merge_recordings(*MadeSession(seconds=1.6, marks=marks).write(tmp_path))
+    export = ts.export_bids(recording, tmp_path / "bids")
+    assert export.people == ("P1", "P2")
+    # P3 came after the only trial: the run of P1 ends with that.
+    [row] = table(export.folder / "sub-P1" / "ses-01" / "sub-P1_ses-01_scans.tsv")
+    assert float(row["duration"]) == pytest.approx(0.5, abs=0.01)
+    # Without any trial nobody knows; and who asks for two people gets all of it as theirs.
+    unknown = ts.merge_recordings(*MadeSession(seconds=1.6, marks=[*MARKS[:2], later]).write(tmp_path))
+    with pytest.raises(ts.InvalidInput, match="P-1 and P3 at robot 1"):
+        ts.export_bids(unknown, tmp_path / "other")
+    assert not (tmp_path / "other").exists()
+    [first, _] = ts.export_bids(unknown, tmp_path / "other", participants=["P1", "P2"]).files
+    assert len(samples(first)["position_x"]) == 1601
+
+
 @pytest.mark.parametrize(
     ("options", "said"),
     [

@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from telespring._errors import InvalidInput
 from telespring.exchange.bids.labels import bids_label
 from telespring.exchange.material import Material, Session, Trial, clock_accuracy
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from telespring.recording import MarkedTrial
+    from telespring.recording import MarkedTrial, SessionRecording
 
 __all__ = ["BidsEvent", "Run", "material_runs", "mean_period"]
 
@@ -179,8 +180,8 @@ def _trial_event(trial: Trial, onset: float) -> BidsEvent:
 def _session_runs(session: Session, trials: Sequence[Trial], people: tuple[str, str] | None) -> list[Run]:
     """Split a session where other people take over: a run of its own for each stay of a pair."""
     time = np.asarray(session.data["time"])
-    spans = _stays(session.marked, people, float(time[-1]))
     recording = session.recording
+    spans = _stays(session.marked, people, float(time[-1]), _changed(recording))
     rates = [math.nan, math.nan]
     for number, side in recording.sides.items():
         if len(side.time) > 1:
@@ -218,10 +219,32 @@ def _session_runs(session: Session, trials: Sequence[Trial], people: tuple[str, 
     return runs
 
 
+def _changed(recording: SessionRecording) -> str:
+    """Name the people of a robot for which the markers name several; "" if there is none."""
+    for robot in (1, 2):
+        named: dict[str, str] = {}
+        for _, side, kind, text in sorted(recording.marks()):
+            if kind == "participant" and side == robot:
+                named.setdefault("".join(filter(str.isalnum, text)), text)
+        if len(named) > 1:
+            return f"{' and '.join(named.values())} at robot {robot}"
+    return ""
+
+
 def _stays(
-    marked: Sequence[MarkedTrial], people: tuple[str, str] | None, end: float
+    marked: Sequence[MarkedTrial], people: tuple[str, str] | None, end: float, changed: str
 ) -> list[tuple[tuple[str, str], float, float]]:
-    """Return each pair of people with the time in which it was at the robots; all of it if there is one."""
+    """Return each pair of people with the time in which it was at the robots; all of it if there is one.
+
+    Of others, whom `changed` names, nothing goes to that one.
+    """
+    if changed and people is None and not any(trial.is_marked for trial in marked):
+        raise InvalidInput(
+            "participants",
+            changed,
+            "a session of two people, or markers of trials, are required: only those say whose motion it is",
+            "Name the two people of the whole session, as in --participants P01,P02.",
+        )
     stays: list[tuple[tuple[str, str], float, float]] = []
     for trial in marked:
         labels = _people_of_trial(trial.participants, people)
@@ -229,7 +252,7 @@ def _stays(
             stays[-1] = labels, stays[-1][1], trial.end
         else:
             stays.append((labels, trial.begin, trial.end))
-    if len(stays) < 2:
+    if len(stays) < 2 and (people is not None or not changed):
         labels = stays[0][0] if stays else people or _people_of_dyad("")
         return [(labels, 0.0, end)]
     return stays
