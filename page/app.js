@@ -78,6 +78,7 @@ export function runPage(engine, attackAt, { first, tell, isInside }) {
   };
   /** Opens another study; the browser's way back leads to the one before, unless that is where it comes from. */
   const open = (study, changes = "", keep = state.study ? "pushState" : "replaceState") => {
+    controls.forget();
     if (refusalOf(() => take(study, changes))) return false;
     region.forget();
     settle(keep);

@@ -40,7 +40,7 @@ function control(definition, { change, refuse, settle }) {
   const hintId = `${id}-hint`;
   number.setAttribute("aria-describedby", hint ? `${why.id} ${hintId}` : why.id);
   const write = () => (number.value = String(clean(definition.of(current) * factor)));
-  // rounded, its own place may be where it came from: no key would move it
+  // rounded, it may be where it came from: set while the reader presses a key, no key would move it
   const place = () => (slider.value = String(Math.round(scale.place(definition.of(current)) * STEPS)));
   const tell = (text, isWrong) => {
     why.textContent = text;
@@ -53,8 +53,11 @@ function control(definition, { change, refuse, settle }) {
     const end = endOf(values);
     scale = scaleOf(definition, end);
     number.disabled = slider.disabled = end === definition.from;
-    if (document.activeElement !== number) write();
-    if (document.activeElement !== slider) place();
+    // what the reader is about to write or to slide stays
+    if (before === null) {
+      write();
+      place();
+    }
     slider.setAttribute("aria-valuetext", `${digits(definition.of(values) * factor)} ${unit}`);
     tell("", false);
   };
@@ -109,7 +112,11 @@ function control(definition, { change, refuse, settle }) {
     why,
     hint ? html("p", { className: "hint", id: hintId }, hint) : null,
   );
-  return { element, show };
+  const forget = () => {
+    before = null;
+    refusal = "";
+  };
+  return { element, show, forget };
 }
 
 /** A yes or no, with `flip` called with the new one. */
@@ -179,5 +186,9 @@ export function createControls(host, { change, refuse, settle }) {
     ownGrips.box.checked = choices.hasOwnGrips;
     unusual.box.checked = values.allow_unusual;
   };
-  return { show };
+  return {
+    show,
+    /** Another study is opened: what is half written belongs to the one before. */
+    forget: () => parts.forEach((part) => part.forget()),
+  };
 }

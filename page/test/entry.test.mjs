@@ -215,10 +215,17 @@ test("law_the_way_back_leads_to_the_study_before", looked, async () => {
   await page.click("#paper");
   assert.match(await message(page), /way back/);
   assert.equal((await values(page)).stiffness, 71.2);
+  // what has the focus follows, too, and what is half written is not put into another study
+  await page.focus("#stiffness");
   await page.goBack();
   await page.waitForFunction(() => window.telespring.page.state().values.stiffness === 66);
   assert.equal(await study(page), before);
+  assert.equal(await page.inputValue("#stiffness"), "66");
+  await page.fill("#stiffness", "-");
   await page.goForward();
   await page.waitForFunction(() => window.telespring.page.state().values.stiffness === 71.2);
+  await page.locator("#stiffness").blur();
+  assert.equal((await values(page)).stiffness, 71.2);
+  assert.equal(await page.inputValue("#stiffness"), "71.2");
   await close();
 });
