@@ -3,8 +3,8 @@ Where the paper's critical stiffness is unsafe
 ==============================================
 
 Eq. 5 of Du et al. is meant to give the stiffness below which no constant delay destabilises a dyad. It is
-a necessary condition, not a sufficient one: for robots of equal mass it fails as soon as one damping exceeds 1 + √2 times
-the other.
+a necessary condition, not a sufficient one: for robots of equal mass it fails as soon as one damping
+exceeds 1 + √2 times the other.
 """
 
 import matplotlib.pyplot as plt

@@ -34,8 +34,6 @@ below.legend(loc="lower right")
 
 # %%
 
-print(
-    f"wait {1000 * best.delay:.0f} ms: use up to {found.stiffness:.1f} N/m, 5 % below the limit, by '{best.tier}'"
-)
+print(f"wait {1000 * best.delay:.0f} ms, use up to {found.stiffness:.1f} N/m: 5 % below '{best.tier}'")
 assert np.isnan(trace.delay).sum() == 5  # lost packets
 assert best.stiffness_limit >= 0.95 * max(choice.stiffness_limit for choice in found.playouts)

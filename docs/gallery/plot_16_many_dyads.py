@@ -33,8 +33,8 @@ left.set_ylabel("Mass of robot 2 / robot 1")
 
 # %%
 # Eq. 5 never gives too small a stiffness. Where robots and people are equal it is exact; for equal robots in
-# the hands of unequal people it is not always safe. A ratio of 2 says that Eq. 5 allows twice the stiffness that
-# is safe.
+# the hands of unequal people it is not always safe. A ratio of 2 says that Eq. 5 allows twice the stiffness
+# that is safe.
 
 dyads, unsafe = int(survey.dyads.sum()), int(survey.unsafe.sum())
 largest = float(survey.largest.max())
