@@ -133,7 +133,7 @@ def test_law_the_loop_of_the_matlab_guide_is_the_one_of_nyquist() -> None:
     s = 1j * np.array([1.0, 9.4, 30.0])
     loop = -(k**2) / ((m1 * s**2 + b1 * s + k) * (m2 * s**2 + b2 * s + k)) * np.exp(-2 * 0.1 * s)
     ours = ts.open_loop(ts.hman(), k, 0.1, s.imag, axis="x")
-    np.testing.assert_allclose(loop if given == "L" else -loop, np.asarray(ours), rtol=1e-12)
+    np.testing.assert_allclose(loop if given == "L" else -loop, np.asarray(ours.value), rtol=1e-12)
 
 
 def test_law_the_gallery_has_at_least_twelve_examples_that_assert() -> None:
