@@ -264,7 +264,9 @@ def test_law_a_sweep_that_finished_nothing_leaves_the_folder_to_another(tmp_path
 
 
 def test_law_the_stiffness_of_the_protocol_is_enough_for_a_sweep_of_trials(tmp_path: Path) -> None:
-    found = ts.sweep(written(tmp_path, NO_SPRING_OF_ITS_OWN), tmp_path / "sweep", {"network.loss": [0.0, 0.1]})
+    found = ts.sweep(
+        written(tmp_path, NO_SPRING_OF_ITS_OWN), tmp_path / "sweep", {"network.loss": [0.0, 0.1]}
+    )
     assert found.condition_stiffness.values.tolist() == [[60.0], [60.0]]
     assert found.stable.values.tolist() == [[1.0], [1.0]]
 
