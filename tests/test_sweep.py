@@ -19,7 +19,6 @@ from telespring.sweeps.over import read_over, read_overs
 from telespring.sweeps.plan import plan_sweep
 from telespring.sweeps.rows import RowFile
 
-
 #: The stiffness is said for the trials only, as in the tutorial.
 NO_SPRING_OF_ITS_OWN = """
 [robot1]
