@@ -44,9 +44,7 @@ _CONTINUOUS = (
     "The network has no sample period: the controllers are taken as continuous. The command samples them "
     "every {period}; give the Network sample_period={seconds:g} for that."
 )
-_HANDS_LEFT_OUT = (
-    "The handles are free: hands that hold them are not in this answer, and may lower its limits."
-)
+_HANDS_LEFT_OUT = "The handles are free here. Hands that hold them may lower the limits."
 _ARMS_LEFT_OUT = "The limits are without the arms and agents that hold the handles in the study's rehearsal."
 
 

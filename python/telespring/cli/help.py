@@ -20,7 +20,7 @@ def _is_narrow() -> bool:
 
 
 def _paragraphs(text: str) -> str:
-    """Make each paragraph one line, which the terminal breaks: Rich would keep the line ends of the source."""
+    """Make each paragraph one line, which the terminal breaks; Rich keeps line ends of the source."""
     return re.sub(r"(?<!\n)\n(?!\n)", " ", inspect.cleandoc(text))
 
 

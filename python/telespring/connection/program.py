@@ -63,8 +63,8 @@ def _candidate() -> Path:
         _NAME,
         "",
         f"the live program, which is no part of a wheel; not in ${_VARIABLE}, {built.parent} or the PATH",
-        "`make link` builds it in the folder of telespring's sources; `make link-static` makes one file to copy "
-        "to other machines. Put it on the PATH.",
+        "`make link` builds it in the folder of telespring's sources; `make link-static` makes one file "
+        "for other machines. Put it on the PATH.",
     )
 
 
