@@ -48,7 +48,7 @@ def connect_command(
     ] = False,
     site: Annotated[
         Path | None,
-        typer.Option("--site", metavar="SITE.toml", help="One site of a real session (docs/connect.md)."),
+        typer.Option("--site", metavar="SITE.toml", help="One site of a real session."),
     ] = None,
     check: Annotated[
         Path | None,
