@@ -44,7 +44,6 @@ _CONTINUOUS = (
     "The network has no sample period: the controllers are taken as continuous. The command samples them "
     "every {period}; give the Network sample_period={seconds:g} for that."
 )
-_HANDS_LEFT_OUT = "The handles are free here. Hands that hold them may lower the limits."
 _ARMS_LEFT_OUT = "The limits are without the arms and agents that hold the handles in the study's rehearsal."
 
 
@@ -384,8 +383,6 @@ def _answer(
         proven = study.guard_overdraft(1.0).proven_stiffness
         notes = (*notes, *session_notes(study.session, proven), *said)
     holders = describe_holders(question.dyad, question.operator_ranges, springs)
-    if not holders and (study is None or not study.names_arms_or_agents):
-        notes = (*notes, _HANDS_LEFT_OUT)
     if attack_seed is not None and (question.network.is_constant or not question.is_bounded):
         raise InvalidInput(
             "attack_seed",
