@@ -16,7 +16,7 @@ sys.path[:0] = [str(ROOT / "python"), str(ROOT)]
 # Before NumPy is loaded: on cores that others use too, OpenBLAS' threads wait for each other.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-from tools.site import command_reference, gallery, misprints, page, python_reference  # noqa: E402
+from tools.site import command_reference, examples, gallery, misprints, page, python_reference  # noqa: E402
 
 project = "telespring"
 author = "telespring developers"
@@ -42,6 +42,7 @@ command_reference.write(GENERATED / "commands.md")
 python_reference.write(GENERATED / "python.rst")
 misprints.write(GENERATED / "misprints.md")
 gallery.forget_stale_pictures(GENERATED / "gallery", ROOT / "python" / "telespring")
+examples.write(GENERATED / "examples.zip", ROOT / "examples")
 page.write(GENERATED / "try-it.md", ROOT / "out" / "page" / "telespring.html")
 
 exclude_patterns = [

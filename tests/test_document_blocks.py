@@ -34,7 +34,7 @@ NOT_RUN = {
     "docs/how-to/simulink-labview.md": 2,
     "docs/recording.md": 1,
     "docs/tutorials/couple.md": 5,
-    "docs/tutorials/install.md": 3,
+    "docs/tutorials/install.md": 4,
 }
 
 

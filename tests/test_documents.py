@@ -14,10 +14,9 @@ import pytest
 
 from document_blocks import documents
 from made_session import write_session
-from telespring.cli import keyboard
 
-#: Pages that the build of the site writes, besides one per example of the gallery.
-SITE_PAGES = ("commands", "python", "gallery/index", "try-it")
+#: What the build of the site writes, besides one page per example of the gallery.
+SITE_PAGES = ("commands", "python", "gallery/index", "try-it", "examples.zip")
 
 DOCUMENTS = documents(Path(__file__).resolve().parent.parent)
 
@@ -160,8 +159,11 @@ def test_law_the_readme_shows_what_the_command_prints(root: Path) -> None:
         assert line.strip() in printed
 
 
-@pytest.mark.parametrize("document", ["docs/console.md", "docs/tutorials/couple.md"])
-def test_law_a_key_that_a_document_names_is_one(root: Path, document: str) -> None:
-    named = set(re.findall(r"`([a-z])`", (root / document).read_text(encoding="utf-8")))
+@pytest.mark.parametrize("name", ["docs/tutorials/couple.md", "docs/console.md"])
+def test_law_keys_of_a_live_session_that_a_page_names_exist(root: Path, name: str) -> None:
+    from telespring.show.screens.live import KEYS
+
+    text = (root / name).read_text(encoding="utf-8")
+    named = set(re.findall(r"`([a-z])`", text))
     assert named
-    assert named <= {*keyboard._ORDERS, keyboard._MARK}
+    assert named <= set(re.findall(r"\b([a-z]) \w", KEYS)), name

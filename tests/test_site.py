@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import runpy
 import warnings
+import zipfile
 from importlib import import_module
 from pathlib import Path
 
@@ -17,7 +18,7 @@ from typer.testing import CliRunner
 import telespring as ts
 from telespring.cli import app
 from telespring.references import read_reference
-from tools.site import command_reference, gallery, misprints, python_reference
+from tools.site import command_reference, examples, gallery, misprints, python_reference
 from tools.site.repository_links import PAGES, site_link
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -40,6 +41,31 @@ def test_law_the_reference_has_every_command_that_the_help_lists() -> None:
     help_text = CliRunner(env={"COLUMNS": "79"}).invoke(app, ["--help"]).output
     listed = re.findall(r"^  ([a-z]+)  ", help_text.partition("Commands:")[2], re.MULTILINE)
     assert re.findall(r"^## telespring (.*)$", command_reference.text(), re.MULTILINE) == listed
+
+
+def test_law_the_examples_of_the_site_are_the_folder(tmp_path: Path) -> None:
+    folder = ROOT / "examples"
+    examples.write(tmp_path / "first.zip", folder)
+    examples.write(tmp_path / "again.zip", folder)
+    assert (tmp_path / "first.zip").read_bytes() == (tmp_path / "again.zip").read_bytes()
+    with zipfile.ZipFile(tmp_path / "first.zip") as archive:
+        archive.extractall(tmp_path)
+    unpacked = {
+        file.relative_to(tmp_path): file for file in (tmp_path / "examples").rglob("*") if file.is_file()
+    }
+    assert {Path("examples/log.csv"), Path("examples/trials/trials.csv")} <= set(unpacked)
+    assert all(file.read_bytes() == (ROOT / place).read_bytes() for place, file in unpacked.items())
+    named = re.findall(
+        r"`(\w[\w-]*\.(?:toml|py|csv|m|c))`", (folder / "README.md").read_text(encoding="utf-8")
+    )
+    assert {Path("examples") / name for name in named} <= set(unpacked)
+
+
+@pytest.mark.parametrize("name", sorted(command_reference.commands()))
+def test_law_the_terminal_breaks_the_lines_of_the_help(name: str) -> None:
+    """Line ends of the source inside a paragraph would cut its lines short."""
+    help_text = command_reference.commands()[name].help
+    assert all("\n" not in paragraph for paragraph in help_text.split("\n\n"))
 
 
 def test_law_the_reference_of_python_has_every_public_name() -> None:

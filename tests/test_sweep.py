@@ -19,6 +19,21 @@ from telespring.sweeps.over import read_over, read_overs
 from telespring.sweeps.plan import plan_sweep
 from telespring.sweeps.rows import RowFile
 
+#: The stiffness is said for the trials only, as in the tutorial.
+NO_SPRING_OF_ITS_OWN = """
+[robot1]
+mass = [1.2, 1.4]
+damping = [6.0, 8.0]
+[robot2]
+mass = [2.0, 2.0]
+damping = [9.0, 9.0]
+[protocol]
+stiffness = [60.0]
+delay = [0.0]
+trials = 1
+unconnected = false
+"""
+
 
 @pytest.fixture(scope="module")
 def study() -> ts.Study:
@@ -236,6 +251,23 @@ def test_law_another_sweep_in_the_folder_is_refused(study: ts.Study, folder: Pat
         ts.sweep(study, folder, {"network.loss": [0.0]})
     with pytest.raises(ts.InvalidInput, match="another study"):
         ts.sweep(ts.Study.paper(), folder, OVER)
+
+
+def test_law_a_sweep_that_finished_nothing_leaves_the_folder_to_another(tmp_path: Path) -> None:
+    unjudged = ts.Study.read(written(tmp_path, NO_SPRING_OF_ITS_OWN))
+    folder = tmp_path / "sweep"
+    with pytest.raises(ts.InvalidInput, match="coupling\\.stiffness"):
+        ts.sweep(unjudged, folder, {"delay": [0.0]}, trials=False)
+    found = ts.sweep(unjudged, folder, {"stiffness": [30.0, 60.0], "delay": [0.0]}, trials=False)
+    assert found.sizes["stiffness"] == 2
+
+
+def test_law_the_stiffness_of_the_protocol_is_enough_for_a_sweep_of_trials(tmp_path: Path) -> None:
+    found = ts.sweep(
+        written(tmp_path, NO_SPRING_OF_ITS_OWN), tmp_path / "sweep", {"network.loss": [0.0, 0.1]}
+    )
+    assert found.condition_stiffness.values.tolist() == [[60.0], [60.0]]
+    assert found.stable.values.tolist() == [[1.0], [1.0]]
 
 
 def test_law_the_command_says_what_the_dataset_has(study: ts.Study, folder: Path, tmp_path: Path) -> None:

@@ -59,7 +59,10 @@ def analyse_command(
         ),
     ] = Path("out/analysis"),
     export: Annotated[Path | None, typer.Option(help="Also write the trials as CSV to this folder.")] = None,
-    figures: Annotated[bool, typer.Option(help="Draw Figs. 7 and 8, or the session over time.")] = True,
+    figures: Annotated[
+        bool,
+        typer.Option(help="Draw the figures: tracking errors and trajectories, or the session over time."),
+    ] = True,
     template: Annotated[
         Path | None, typer.Option(help="Only write an example of recorded trials to this folder.")
     ] = None,

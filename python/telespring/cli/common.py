@@ -169,7 +169,7 @@ def refusals(options: dict[str, str] | None = None, written: dict[str, str] | No
         unusable = InvalidInput(
             "file",
             str(error.filename),
-            f"a file that can be read or written is required ({error.strerror or error})",
+            f"it cannot be read or written ({error.strerror or error})",
             "Check the name, the folder and its permissions.",
         )
         refusal_screen(screen_console(stderr=True), unusable)

@@ -48,7 +48,7 @@ def connect_command(
     ] = False,
     site: Annotated[
         Path | None,
-        typer.Option("--site", metavar="SITE.toml", help="One site of a real session (docs/connect.md)."),
+        typer.Option("--site", metavar="SITE.toml", help="One site of a real session."),
     ] = None,
     check: Annotated[
         Path | None,
@@ -119,6 +119,7 @@ def connect_command(
 
     Keys: p or space pause, r resume, c consent, w withdraw, s stop, x clear an emergency stop, m mark,
     Ctrl-C leave.
+
     Exit status: 0 after a session that ran and ended in order; 1 if it never ran, or a fault ended it.
 
     Example: telespring connect --demo

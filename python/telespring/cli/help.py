@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import inspect
+import re
 import shutil
 from typing import Any
 
@@ -17,8 +19,17 @@ def _is_narrow() -> bool:
     return shutil.get_terminal_size().columns < _COLUMNS_OF_TABLE
 
 
+def _paragraphs(text: str) -> str:
+    """Make each paragraph one line, which the terminal breaks; Rich keeps line ends of the source."""
+    return re.sub(r"(?<!\n)\n(?!\n)", " ", inspect.cleandoc(text))
+
+
 class Command(TyperCommand):
     """A command whose help is plain text where its table would cut the names of options."""
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        super().__init__(*args, **kwargs)
+        self.help = _paragraphs(self.help or "")
 
     def format_help(self, ctx: Any, formatter: Any) -> None:
         """Write the help."""

@@ -79,7 +79,7 @@ def _merge_recordings(parts: list[Path], out: Path | None, *, as_json: bool) -> 
         raise InvalidInput(
             "A.mcap B.mcap",
             ", ".join(map(str, parts)),
-            "two recordings, or folders of shares",
+            "merge needs two recordings, or folders of shares",
             "Name the recordings of both sites of one session, which telespring connect prints; or the "
             "folder that was given as --out with --shard.",
         )

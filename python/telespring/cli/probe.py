@@ -62,6 +62,7 @@ def probe_command(
     """Measure the path to the partner, and say which play-out and which stiffness it allows.
 
     Start it at both sites within a minute or so; which one is first does not matter. No robot is touched.
+
     Exit status: 0 if both ways are known, 1 if they are not.
 
     Example: telespring probe site-1.toml --trace path.json

@@ -38,7 +38,7 @@ def find_program() -> Path:
             _NAME,
             str(program),
             f"it has version {found or 'unknown'}, and this package {__version__}",
-            "Run `make link` in the checkout of this package.",
+            f"Run `make link` in the sources of telespring {__version__}.",
         )
     return program
 
@@ -62,8 +62,9 @@ def _candidate() -> Path:
     raise InvalidInput(
         _NAME,
         "",
-        f"not in $TELESPRING_LINK, {built.parent.name} or the path",
-        "Build it with `make link`, or put it on the path.",
+        f"the live program, which is no part of a wheel; not in ${_VARIABLE}, {built.parent} or the PATH",
+        "`make link` builds it in the folder of telespring's sources; `make link-static` makes one file "
+        "for other machines. Put it on the PATH.",
     )
 
 

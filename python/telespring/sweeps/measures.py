@@ -171,13 +171,15 @@ def point_row(plan: SweepPlan, known: Study, drawn: Study, traces: RecordedTrace
 
     `known` is the study as its author has it, `drawn` the one with the robots that are truly there.
     """
-    conditions: list[tuple[float | None, float | None]] = [(known.stiffness, None)]
+    conditions: list[tuple[float | None, float | None]]
     counted: Any = np.full((2, len(known.dyad.axes)), np.nan)
     if plan.trials:
         experiment = known.experiment
         assert experiment is not None  # the plan has trials
         conditions = [(condition.stiffness, condition.delay) for condition in experiment.conditions]
         counted = traces.laboratory(experiment).least_damping
+    else:
+        conditions = [(known.stiffness, None)]
     judged = [
         None if k is None else Question.of_study(drawn, delay=delay, traces=traces.texts).judge(k)
         for k, delay in conditions

@@ -38,6 +38,11 @@ class RowFile:
         self._fingerprint = fingerprint.encode()
         self._type = np.dtype([("place", "<u8"), ("values", "<f8", (width,)), ("digest", "u1", (_DIGEST,))])
 
+    @property
+    def has_rows(self) -> bool:
+        """Whether anything was appended, by whichever sweep."""
+        return self.path.exists() and self.path.stat().st_size > len(_MAGIC)
+
     def read(self) -> tuple[NDArray[np.uint64], FloatArray]:
         """Return places and numbers of all whole rows, each place once, by place."""
         try:

@@ -158,7 +158,7 @@ class SweepStore:
         self.remove_rows()
 
     def _has_rows(self) -> bool:
-        return any(file.path.exists() for file in (self.points, self.trials))
+        return any(file.has_rows for file in (self.points, self.trials))
 
 
 def _zarr_identity(folder: Path) -> str | None:

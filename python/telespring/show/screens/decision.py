@@ -19,6 +19,7 @@ from telespring.show.screens.questions import (
     CONTINUOUS_TIERS,
     MAYBE_TOO_SMALL,
     TABLE_TITLE,
+    free_clause,
     hand_effect,
     hand_rows,
     network_clause,
@@ -43,7 +44,7 @@ def decision_screen(
     `notes` say how the question was understood.
     """
     return Group(
-        _question(decision, heading, notes),
+        _question(decision, heading, held, notes),
         *_warnings(decision),
         Padding(Group(*answer_lines(decision, held)), (0, 0, 1, 0)),
         _verdict_table(decision),
@@ -53,10 +54,11 @@ def decision_screen(
     )
 
 
-def _question(decision: Decision, heading: Sequence[str], notes: Sequence[str]) -> Text:
+def _question(decision: Decision, heading: Sequence[str], held: str, notes: Sequence[str]) -> Text:
     network = decision.stated or decision.verdicts.network
     asked = f"{format_number(decision.stiffness, 6)} N/m over {network_clause(network)}, "
-    text = Text("\n".join([*heading, asked + sampling_clause(network.sample_period)]), style="bold")
+    asked += f"{sampling_clause(network.sample_period)}{free_clause(held)}"
+    text = Text("\n".join([*heading, asked]), style="bold")
     for note in notes:
         text.append(f"\n{note}", style="not bold")
     return text

@@ -23,6 +23,7 @@ from telespring.show.screens.questions import (
     allowed_stiffness,
     answers_by_buffer,
     delay_clause,
+    free_clause,
     hand_effect,
     hand_rows,
     hands_name,
@@ -56,7 +57,7 @@ def limits_screen(
     `notes` say how the question was understood.
     """
     network = found.delays[0].stated or found.delays[0].verdicts.network
-    sampling = sampling_clause(network.sample_period)
+    sampling = sampling_clause(network.sample_period) + free_clause(held)
     if found.is_delay_given:
         asked = f"{network_clause(network)}, {sampling}"
     else:

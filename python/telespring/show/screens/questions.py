@@ -27,6 +27,7 @@ __all__ = [
     "answers_by_buffer",
     "delay_clause",
     "describe_robots",
+    "free_clause",
     "given_delay",
     "hand_effect",
     "hand_rows",
@@ -324,6 +325,17 @@ def sampling_clause(period: float) -> str:
     if period == 0.0:
         return "continuous controllers"
     return f"controllers sampled every {format_time(period, 6)}"
+
+
+def free_clause(held: str) -> str:
+    """Say at the end of a question that nobody holds the handles; nothing if somebody does.
+
+    Examples
+    --------
+    >>> free_clause(""), free_clause("held by 120 N/m")
+    (', handles free', '')
+    """
+    return "" if held else ", handles free"
 
 
 def allowed_stiffness(bound: float | None, attained: bool, unavailable: Unavailable | None = None) -> str:
