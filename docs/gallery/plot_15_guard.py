@@ -3,7 +3,7 @@ The guard in a rehearsal
 ========================
 
 Two simulated people follow a target at 142 N/m and 84 ms, where the bare spring runs away. The guard
-gives out no more energy than it has, so that the same spring stays where the people are.
+gives out no more energy than its account holds, so that the same spring stays where the people are.
 """
 
 import tempfile
