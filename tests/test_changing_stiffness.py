@@ -19,15 +19,18 @@ def _advance(robot: ts.Robot, k: float, c: float, own: np.ndarray, partner: np.n
     rates = np.zeros((4, 4))
     rates[0, 1] = 1.0
     rates[1] = np.array([-k, -(robot.damping[0] + c), k, c]) / robot.mass[0]
-    return (expm(_STEP * rates) @ np.concatenate([own, partner]))[:2]
+    return np.asarray(expm(_STEP * rates) @ np.concatenate([own, partner]))[:2]
 
 
-def _robots(rng: np.random.Generator) -> list[ts.Robot]:
-    return [ts.Robot(mass=np.exp(rng.uniform(-1, 1)), damping=np.exp(rng.uniform(0, 3))) for _ in range(2)]
+def _robots(rng: np.random.Generator) -> tuple[ts.Robot, ts.Robot]:
+    def robot() -> ts.Robot:
+        return ts.Robot(mass=float(np.exp(rng.uniform(-1, 1))), damping=float(np.exp(rng.uniform(0, 3))))
+
+    return robot(), robot()
 
 
 def _growth(
-    robots: list[ts.Robot],
+    robots: tuple[ts.Robot, ts.Robot],
     rates: list[float],
     stiffness: Callable[[int], float],
     c: float,
@@ -46,12 +49,12 @@ def _growth(
                 past = course[: step + 1, 1 - side]
                 wanted = rng.choice([-1, 1]) * (past[:, 0] + past[:, 1] / rates[1 - side])
                 held[side] = past[np.argmax(wanted)]
-                until[side] = step + rng.integers(1, 80)
+                until[side] = step + int(rng.integers(1, 80))
             course[step + 1, side] = _advance(
                 robots[side], stiffness(side), c, course[step, side], held[side]
             )
     ahead = course[..., 0] + course[..., 1] / np.array(rates)
-    return (max(np.abs(course[..., 0]).max(), np.abs(ahead).max()) - 1) / 2
+    return (float(max(np.abs(course[..., 0]).max(), np.abs(ahead).max())) - 1) / 2
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -64,7 +67,7 @@ def test_law_a_stiffness_that_each_side_changes_alone_keeps_the_hull(seed: int) 
     rates = [robot.damping[0] / (2 * robot.mass[0]) for robot in robots]
 
     def changing(side: int) -> float:
-        return rng.choice([0.0, rng.uniform(), 1.0, 1.0]) * bounds[side]
+        return float(rng.choice([0.0, rng.uniform(), 1.0, 1.0]) * bounds[side])
 
     assert _growth(robots, rates, changing, 0.0, rng) < 1e-12
 
@@ -75,7 +78,9 @@ def test_law_a_damper_in_the_coupling_keeps_the_hull_up_to_its_bound(seed: int) 
     robots = _robots(rng)
     c = (0.5, 1.0, 1.5, 3.0)[seed] * min(robot.damping[0] for robot in robots)
     dyad = ts.Dyad(*robots, coupling_damping=c)
-    k = ts.verdicts(dyad, 1.0, 0.1).tier("any network").stiffness_bound * (1 - 1e-9)
+    bound = ts.verdicts(dyad, 1.0, 0.1).tier("any network").stiffness_bound
+    assert bound is not None
+    k = bound * (1 - 1e-9)
     rates = [min(np.roots([robot.mass[0], -(robot.damping[0] + c), k]).real) for robot in robots]
     assert _growth(robots, rates, lambda _: k, c, rng) < 1e-9
 
