@@ -6,7 +6,7 @@ export const WORDS = { stable: "Stable", marginal: "Marginal", unstable: "Unstab
 
 /** What the word means, for a reader who meets it first. */
 export const MEANING = {
-  stable: "Whatever pushes the robots, their motion dies away. It stays so with 5 % more stiffness or delay.",
+  stable: "After any push the motion of the robots dies away. It stays so with 5 % more stiffness or delay.",
   marginal: "The motion dies away, but less than 5 % more stiffness or delay may be enough to shake it up.",
   unstable: "The robots shake each other: a small push grows into large oscillations by itself.",
   "not proven": "No rule proves that the motion dies away, and nothing shows that it must grow.",

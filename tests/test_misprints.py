@@ -218,6 +218,51 @@ def table_2() -> list[Expected]:
     return [close(true), zero_up_to(1e-14), close(printed), close(eta2_over_b4(printed))]
 
 
+def free_handles() -> list[Expected]:
+    hand = 120.0
+
+    def crossings(robots: Robots, k: float) -> list[tuple[float, int]]:
+        # one-way delays up to 1 s at which a pair leaves (+1) or returns (-1)
+        m1, b1, m2, b2 = robots
+        x = np.polynomial.Polynomial([0.0, 1.0])
+        sizes = [(k + hand - m * x) ** 2 + b**2 * x for m, b in ((m1, b1), (m2, b2))]
+        difference = sizes[0] * sizes[1] - k**4
+        found = []
+        for root in np.asarray(difference.roots(), dtype=complex):
+            if root.real > 0 and abs(root.imag) < 1e-9 * abs(root):
+                w = math.sqrt(root.real)
+                p1, p2 = (k + hand - m * w**2 + 1j * b * w for m, b in ((m1, b1), (m2, b2)))
+                first = (-cmath.phase(p1 * p2)) % (2 * math.pi) / (2 * w)
+                way = 1 if difference.deriv()(root.real) > 0 else -1
+                found += [(first + n * math.pi / w, way) for n in range(40)]
+        return sorted(found)
+
+    windows = []
+    for robots in (X, Y):
+        assert not crossings(robots, 71.0)
+        (lost, leaves), (back, returns) = crossings(robots, 142.0)[:2]
+        assert (leaves, returns) == (1, -1)
+        windows += [close(lost, 1e-8), close(back, 1e-8)]
+    free = [close(loop_delays(robots, 71.0)[0]) for robots in (X, Y)]
+    return [hand, 71.0, *free, None, None, 142.0, *windows]
+
+
+def weights() -> list[Expected]:
+    # log r² falls without end at each sample, so that one of them is met; 1.05 N has the nearest neighbours
+    forces = [0.9, 1.0, 1.05, 1.2, 3.0]
+    estimate = sum(forces) / 5
+    for _ in range(100):
+        weight = [1 / ((force - estimate) ** 2 + np.finfo(float).eps) for force in forces]
+        estimate = sum(w * force for w, force in zip(weight, forces, strict=True)) / sum(weight)
+    assert min(abs(force - estimate) for force in forces) < 1e-12
+    return [5.0, 1.05, close(estimate, 1e-9), zero_up_to(1e-12), close(1.0)]
+
+
+def spot_velocity() -> list[Expected]:
+    error = math.sqrt(0.3**2 / 10)
+    return [0.3, close(error), close(1.96 * error), close(0.588), close(0.03)]
+
+
 EXPECTED: dict[str, Callable[[], list[Expected]]] = {
     "equation-2": diagonal,
     "rigid-body-root": rigid_body,
@@ -235,6 +280,9 @@ EXPECTED: dict[str, Callable[[], list[Expected]]] = {
     "conjugate-polynomial": conjugate_polynomial,
     "equation-16": equation_16,
     "table-2": table_2,
+    "free-handles": free_handles,
+    "weights": weights,
+    "spot-velocity": spot_velocity,
 }
 
 

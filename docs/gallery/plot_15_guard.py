@@ -3,8 +3,8 @@ The guard in a rehearsal
 ========================
 
 Two simulated people follow a target, coupled by 142 N/m over 84 ms. The bare spring makes them swing more
-and more. Behind the guard, which gives out no more energy than it has, the same spring leaves the people in
-control.
+and more. Behind the guard, which gives out no more energy than its account holds, the same spring leaves the
+people in control.
 """
 
 import tempfile

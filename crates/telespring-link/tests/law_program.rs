@@ -164,6 +164,8 @@ fn law_a_site_file_is_refused_with_the_key() {
         ("\"guard\"", "\"spring\"", "study.session.strategy = \"spring\""),
         ("[session]", "[session]\npredictor = \"shared-target\"", "study.session.predictor"),
         ("stiffness = 100.0", "stiffness = -1.0", "study.coupling.stiffness"),
+        // 40 ms after its motion a force acts last: 0.1 · 0.7776 / 0.04² = 48.6 N/m
+        ("[session]", "[laboratory]\nactuator_lag = 0.039\n[session]", "proven up to 48.6 N/m only"),
         ("stiffness = 100.0", "damping = 0.0", "Write stiffness = 20.0 under [coupling]"),
         (", damping = 8.0", "", "the least damping that the robot certainly has"),
     ] {

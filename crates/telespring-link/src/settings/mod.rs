@@ -193,7 +193,28 @@ impl SiteFile {
                 "Write predictor = \"hold\" under [session] of the study.",
             ));
         }
-        Ok(())
+        self.check_proof()
+    }
+
+    /// Checks that the guard is proven for the robots of the study, as `compare` asks before it recommends one: what it
+    /// gives out without having it is then small.
+    fn check_proof(&self) -> Result<(), InvalidInput> {
+        let stiffness = self.study.coupling()?.stiffness;
+        let overdraft = self.study.guard_overdraft(stiffness).map_err(spoken::of_study)?;
+        if overdraft.is_proven() {
+            return Ok(());
+        }
+        let largest = (10.0 * overdraft.proven_stiffness).floor() / 10.0;
+        Err(InvalidInput::new(
+            "study.coupling.stiffness",
+            format!("{stiffness} N/m"),
+            format!(
+                "with these robots and controllers the guard is proven up to {largest} N/m only, and a person holds the robot"
+            ),
+            format!(
+                "Use at most {largest} N/m, or shorten the sample period, the computing time or the lag of the force."
+            ),
+        ))
     }
 }
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from telespring.model import DyadAxis, hman
 from telespring.paper import published
-from telespring.paper.misprints import experiment, formulas, statements
+from telespring.paper.misprints import experiment, formulas, methods, statements
 from telespring.paper.misprints.record import Evidence, Misprint
 from telespring.paper.misprints.statements import RETURNING, held_partner_growth
 
@@ -35,8 +35,11 @@ def misprints() -> list[Misprint]:
         experiment.misprint_of_reference_delay(axes),
         experiment.misprint_of_figure_5h(axes, reference),
         experiment.misprint_of_figure_5j(axes, reference),
+        methods.wrong_statement_on_free_handles(),
         statements.wrong_statement_on_varying_delay(base),
         formulas.misprint_in_conjugate_polynomial(axes[0], 2 * reference),
         formulas.misprint_in_equation_16(base),
         formulas.misprint_in_table_2(base),
+        methods.wrong_statement_on_weights(),
+        methods.wrong_statement_on_spot_velocity(),
     ]

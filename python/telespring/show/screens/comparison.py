@@ -92,7 +92,7 @@ def recommendation_sentences(recommendation: Recommendation, networks: int = 1) 
 #: Why a choice is safe.
 _GROUNDS: Mapping[Grounds, str] = MappingProxyType(
     {
-        "any network": "the guard gives out no more energy than it has, on any network",
+        "any network": "on any network the guard gives out no more energy than its account holds",
         "stable spring": "the spring is stable at every delay that was compared",
         "bounded ages": "its dampers are strong enough for every age that network and play-out make",
         "honest partner": "on any network, both sides give out no more energy than went in, "

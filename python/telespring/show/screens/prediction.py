@@ -48,7 +48,7 @@ def study_text(comparison: PredictorComparison) -> str:
             *lines,
             "",
             "A good prediction can still make the spring unstable: telespring.plot.prediction_map(dyad)",
-            'shows where, and strategy = "guard" keeps it safe.',
+            'shows where. With strategy = "guard" no side gives out more energy than its account holds.',
         ]
     )
 

@@ -195,8 +195,8 @@ def session_notes(session: Architecture, guard_stiffness: float = math.inf) -> t
     )
     return (
         (
-            "The answer is that of the bare spring. Above its limits the guard weakens the force, "
-            f"so that no side gives out more energy than it has, whatever the network does{proven}."
+            "The answer is that of the bare spring. Above its limits the guard weakens the force, so that "
+            f"no side gives out more energy than its account holds, whatever the network does{proven}."
         ),
     )
 
