@@ -81,7 +81,8 @@ class SweepPlan:
             return study
         places = self._places(point)
         with self._saying_where(places):
-            return study.replace(**drawn_robots(study, self.seed, places[-1]))
+            # A draw may be lighter than what a study is usually asked for.
+            return study.replace(allow_unusual=True, **drawn_robots(study, self.seed, places[-1]))
 
     def _places(self, point: int) -> list[int]:
         """Return the places of a point along all dimensions."""
@@ -161,8 +162,6 @@ def plan_sweep(
         if experiment is not None and experiment.trials > QUICK_TRIALS:
             study = study.replace(protocol={"trials": QUICK_TRIALS})
     first = _changed(study, keys, [0] * len(keys))
-    if draws:
-        require_uncertainty(first)
     experiment = first.experiment if trials else None
     conditions = 1 if experiment is None else len(experiment.conditions)
     plan = SweepPlan(study, keys, draws, seed, conditions, 0 if experiment is None else experiment.trials)
@@ -174,8 +173,9 @@ def plan_sweep(
             "Take fewer values; telespring.survey_dyads counts 10⁹ dyads without storing them.",
         )
     # A slip is refused before anything runs.
-    for _ in islice(plan.values_by_themselves(), 1000):
-        pass
+    studies = [first, *islice(plan.values_by_themselves(), 1000)]
+    if draws:
+        require_uncertainty(studies)
     return plan
 
 
