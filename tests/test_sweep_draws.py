@@ -212,3 +212,16 @@ def test_law_a_broken_law_of_the_guard_is_the_commands_status(
 def test_law_draws_need_an_uncertainty(tmp_path: Path) -> None:
     with pytest.raises(ts.InvalidInput, match="mass_sd"):
         ts.sweep(ts.Study.paper(), tmp_path, draws=3)
+
+
+def test_law_a_draw_may_be_lighter_than_robots_usually_are(tmp_path: Path) -> None:
+    light = guarded().replace(robot1={"mass": 0.02, "damping": 1.0, "mass_sd": 0.006})
+    found = ts.sweep(light, tmp_path, draws=50, trials=False)
+    assert 1e-4 < float(found.robot_mass.min()) < 0.01
+
+
+def test_law_an_uncertainty_may_be_swept_from_none_on(tmp_path: Path) -> None:
+    known = guarded().replace(robot1={"mass_sd": None, "damping_sd": None})
+    found = ts.sweep(known, tmp_path, {"robot1.mass_sd": [0.0, 0.05]}, draws=3, trials=False)
+    spread = np.ptp(found.robot_mass.sel(robot=1, axis="x").values, axis=-1)
+    assert spread[0] == 0.0 < spread[1]
