@@ -126,11 +126,14 @@ class SweepPlan:
             return
         size = len(experiment.conditions), experiment.trials
         if size != (self.conditions, self.trials):
+            swept = [each.key for each in self.over if each.key.startswith("protocol.")]
             raise InvalidInput(
                 "protocol",
                 f"{size[0]} conditions × {size[1]} trials",
                 f"every point needs as many as the first, {self.conditions} × {self.trials}",
-                "Write protocol.stiffness, protocol.delay and protocol.trials into the study.",
+                f"Run a sweep for each number of them, in a folder of its own, rather than over {swept[0]}."
+                if swept
+                else "Write protocol.stiffness, protocol.delay and protocol.trials into the study.",
             )
 
 
@@ -154,7 +157,7 @@ def plan_sweep(
         )
     if draws < 0 or not 0 <= seed < 2**63:
         raise InvalidInput(
-            "draws", f"{draws}, seed {seed}", "draws of 0 or more, and a seed from 0 to 2⁶³ − 1", "Change it."
+            "draws", f"{draws}, seed {seed}", "draws of 0 or more, and a seed from 0 to 2⁶³ − 1", "Correct it."
         )
     if quick:
         keys, draws = tuple(each.thinned() for each in keys), min(draws, QUICK_DRAWS)

@@ -39,6 +39,8 @@ def sweep_screen(summary: SweepSummary, seconds: float | None) -> RenderableType
     for key, rows in summary.keys.items():
         if len(rows) > 1:
             parts += [Text(""), _table(key, rows)]
+            if len(rows) > _MOST_VALUES:
+                parts.append(Text(f"{_MOST_VALUES} of {len(rows)} values; the dataset has all."))
     return Group(*parts)
 
 
@@ -94,4 +96,9 @@ def _value(row: SweepRow) -> str:
 
 
 def _percent(share: float | None) -> str:
-    return _UNKNOWN if share is None else f"{100.0 * share:.3g} %"
+    """Write a share; all and none are said only where they are meant."""
+    if share is None:
+        return _UNKNOWN
+    if 0.9995 <= share < 1.0:
+        return "> 99.9 %"
+    return f"{100.0 * share:.3g} %"
