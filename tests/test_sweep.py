@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import re
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -16,6 +16,7 @@ import telespring as ts
 from resuming import interrupted_after, left_in, written
 from short_sweep import OVER, command, guarded, loaded
 from telespring.analysis import measure
+from telespring.show.screens.sweep import _percent
 from telespring.sweeps.over import read_over, read_overs
 from telespring.sweeps.plan import plan_sweep
 from telespring.sweeps.rows import RowFile
@@ -117,6 +118,29 @@ def test_law_damaged_rows_are_run_again(
     ts.sweep(study, tmp_path, OVER, progress=lambda done, _: told.append(done))
     assert told[1] == {"torn": 8, "one bit": 8}.get(damage, 4)
     assert loaded(tmp_path).identical(whole)
+
+
+def test_law_an_agent_that_failed_at_once_may_be_corrected(study: ts.Study, tmp_path: Path) -> None:
+    """Only points have been judged; with a finished trial another agent is another sweep."""
+    agent = tmp_path / "mine.py"
+    program = (
+        "class Pull:\n"
+        "    def __init__(self, seed): pass\n"
+        "    def __call__(self, time, position, velocity, target): return {}\n"
+    )
+    agent.write_text(program.format("None"))
+    mine = {"kind": "python", "class": "mine:Pull"}
+    file = written(tmp_path, study.replace(agent1=mine, protocol={"trials": 1}).to_toml())
+    for result, status in (("None", 2), ("(0.0, 0.0)", 0), ("(1.0, 0.0)", 2)):
+        agent.write_text(program.format(result))
+        done = command("sweep", file, "--over", "network.loss=0,0.1", "--out", tmp_path / "out")
+        assert done.exit_code == status, done.output
+    assert "another version of a Python file" in " ".join(done.output.split())
+
+
+def test_law_all_is_said_only_where_it_is_all() -> None:
+    said = [_percent(share) for share in (0.0, 0.99949, 0.9996, 1.0)]
+    assert said == ["0 %", "99.9 %", "> 99.9 %", "100 %"]
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="a limit stands for a full disk")

@@ -18,8 +18,8 @@ _MOST_ROWS = 1_000_000
 def law_stride(experiment: Experiment) -> int:
     """Return every how many ticks a trial is recorded, so that the loss of the robots can be integrated.
 
-    Each tick, unless the trial is very long: a light robot on a stiff spring swings within a few ticks, however
-    few samples the protocol asks for. It divides the stride of the protocol's samples.
+    Each tick, unless the trial is very long: a light robot on a stiff spring swings within a few ticks,
+    however few samples the protocol asks for. It divides the stride of the protocol's samples.
     """
     stride = experiment.tick_stride
     least = math.ceil(experiment.tick_count / _MOST_ROWS)
@@ -27,7 +27,9 @@ def law_stride(experiment: Experiment) -> int:
 
 
 def guard_spare(recording: Recording, stiffness: float | None, experiment: Experiment, study: Study) -> float:
-    """Compute what the guards could still have given out, J; below 0 their law is broken. NaN without a guard.
+    """Compute what the guards could still have given out, J; below 0 their law is broken.
+
+    NaN without a guard, as in the unconnected mode.
 
     The law is that of docs/guard.md, both sides together: what a side takes in the other has sent. A partner
     that lies about it adds what the intake lets through, and a force that is held longer than the account
@@ -62,7 +64,9 @@ def _overdraft(recording: Recording, stiffness: float, experiment: Experiment) -
     settings, period = experiment.settings, experiment.sample_period
     held = period * (2.0 if settings.computing_tick else 1.0) + settings.actuator_lag
     mean_velocity = np.diff(recording.position, axis=0) / np.diff(recording.time)[:, None, None]
-    fastest = [np.hypot(*np.moveaxis(each, -1, 0)).max(axis=0) for each in (recording.velocity, mean_velocity)]
+    fastest = [
+        np.hypot(*np.moveaxis(each, -1, 0)).max(axis=0) for each in (recording.velocity, mean_velocity)
+    ]
     moved = np.maximum(*fastest) * period + math.sqrt(2.0) * settings.encoder_resolution
     return float(0.5 * stiffness * (moved**2).sum() * (held / period) ** 2)
 

@@ -69,9 +69,9 @@ _TRIAL = (
     Variable(
         "guard_spare",
         "J",
-        "what the guards of both sides could still have given out when it ended, by the law that they promise: "
-        "what both accounts held at the start and the share of what the robots' damping took, less what the "
-        "coupling gave out; NaN without a guard",
+        "what the guards of both sides could still have given out when it ended, by the law that they "
+        "promise: what both accounts held at the start, the share of what the robots' damping took and the "
+        "overdraft, less what the coupling gave out; NaN without a guard",
     ),
     *(_of_trial(report) for report in REPORTS),
     Variable("tracking_error", "m", "mean distance to the target (Eq. 15)", ("robot",), (2,)),

@@ -156,7 +156,9 @@ def _refuse_what_is_no_word(text: str, key: str, written: str) -> None:
             else f"Write {key}=[…, …], words in quotation marks.",
         )
     if _NUMBERS.fullmatch(written):
-        raise InvalidInput("over", text, "a list of numbers with commas, or a range from:to:how many", _REMEDY)
+        raise InvalidInput(
+            "over", text, "a list of numbers with commas, or a range from:to:how many", _REMEDY
+        )
 
 
 def _range(text: str, found: re.Match[str]) -> list[float] | list[int]:

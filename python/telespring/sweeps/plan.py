@@ -157,7 +157,10 @@ def plan_sweep(
         )
     if draws < 0 or not 0 <= seed < 2**63:
         raise InvalidInput(
-            "draws", f"{draws}, seed {seed}", "draws of 0 or more, and a seed from 0 to 2⁶³ − 1", "Correct it."
+            "draws",
+            f"{draws}, seed {seed}",
+            "draws of 0 or more, and a seed from 0 to 2⁶³ − 1",
+            "Correct it.",
         )
     if quick:
         keys, draws = tuple(each.thinned() for each in keys), min(draws, QUICK_DRAWS)

@@ -51,6 +51,10 @@ class RowFile:
         places, first = np.unique(rows["place"][whole], return_index=True)
         return places, rows["values"][whole][first]
 
+    def has_rows(self) -> bool:
+        """Check whether something was appended, by whichever sweep."""
+        return self.path.exists() and self.path.stat().st_size > len(_MAGIC)
+
     def begin(self) -> NDArray[np.uint64]:
         """Drop what is torn, so that rows can be appended; return the places of those that are kept."""
         places, values = self.read()

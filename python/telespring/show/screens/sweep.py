@@ -29,7 +29,9 @@ def sweep_screen(summary: SweepSummary, seconds: float | None) -> RenderableType
     ]
     if whole.stable_share is not None:
         share = _percent(whole.stable_share)
-        parts.append(Text(f"The bare spring is stable at {share} of the points' conditions."))
+        parts.append(
+            Text(f"At a constant delay the bare spring is stable at {share} of the points' conditions.")
+        )
     if whole.early_ends:
         ends = ", ".join(f"{count} {status}" for status, count in whole.early_ends.items())
         parts.append(Text(f"Ended early: {ends}."))
