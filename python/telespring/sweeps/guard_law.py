@@ -11,8 +11,8 @@ from telespring._types import FloatArray
 
 __all__ = ["guard_spare", "law_stride"]
 
-#: Rows of a recording at most, about 300 MB.
-_MOST_ROWS = 1_000_000
+#: Rows of a finer recording at most, about 75 MB.
+_MOST_ROWS = 300_000
 
 
 def law_stride(experiment: Experiment) -> int:
@@ -29,7 +29,7 @@ def law_stride(experiment: Experiment) -> int:
 def guard_spare(recording: Recording, stiffness: float | None, experiment: Experiment, study: Study) -> float:
     """Compute what the guards could still have given out, J; below 0 their law is broken.
 
-    NaN without a guard, as in the unconnected mode.
+    NaN without a guard, as in the unconnected mode, and for a very long trial that ended early.
 
     The law is that of docs/guard.md, both sides together: what a side takes in the other has sent. A partner
     that lies about it adds what the intake lets through, and a force that is held longer than the account
@@ -38,6 +38,8 @@ def guard_spare(recording: Recording, stiffness: float | None, experiment: Exper
     settings = study.session.guard_settings
     if settings is None or stiffness is None or len(recording.time) < 2:
         return float("nan")
+    if recording.status != "completed" and recording.time[1] > 1.5 * experiment.sample_period:
+        return float("nan")  # what a force gave is known at every tick only
     share, capacity, intake = settings
     damping = np.array([robot.damping for robot in study.dyad.robots])
     taken = float((damping * _squared_velocity(recording)).sum())
