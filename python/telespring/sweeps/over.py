@@ -145,19 +145,21 @@ def read_over(text: str) -> Over:
 def _refuse_what_is_no_word(text: str, key: str, written: str) -> None:
     """Refuse what is neither a number nor a word: a range, list or table that was written otherwise."""
     if not written:
-        raise InvalidInput("over", text, "a value between two commas", "Leave the second comma out.")
+        raise InvalidInput(
+            "over", text, "a value is required between two commas", "Leave the second comma out."
+        )
     if any(sign in written for sign in "{}[]="):
         raise InvalidInput(
             "over",
             text,
-            "tables, and what stands beside them, as one list in TOML",
+            "tables, and what stands beside them, are written as one list in TOML",
             f'Write, for example, {key}=["spring", {{kind = "guard", share = 0.5}}].'
             if key == "session.strategy"
             else f"Write {key}=[…, …], words in quotation marks.",
         )
     if _NUMBERS.fullmatch(written):
         raise InvalidInput(
-            "over", text, "a list of numbers with commas, or a range from:to:how many", _REMEDY
+            "over", text, "a list of numbers with commas, or a range from:to:how many, is required", _REMEDY
         )
 
 
@@ -204,7 +206,7 @@ def _from_values(key: str, values: Any) -> Over:
         raise InvalidInput(
             "over",
             key,
-            "a section and a key: what is inside of a table is swept by whole tables",
+            "a key is a section and a name; what is inside of a table is swept by whole tables",
             f"Write {section}.{name}=[{{…, {inner[0]} = …}}, {{…}}] with all that each table has.",
         )
     if key not in _BOTH and _KEY.fullmatch(key) is None:

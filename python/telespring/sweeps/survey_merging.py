@@ -84,6 +84,6 @@ def _require_all_shares(named: Sequence[str | None]) -> None:
         raise InvalidInput(
             "surveys",
             ", ".join("a whole survey" if each is None else each for each in named),
-            f"{allowed}, each once",
+            f"{allowed}, each once, are required",
             "Give the results of survey_dyads with shard=(1, n) to shard=(n, n).",
         )
