@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import xarray as xr
 
 import telespring as ts
 from held_trials import arm, begun_trials, held_agent, kill_the_held
@@ -104,6 +105,30 @@ def test_law_a_share_of_another_study_is_refused(tmp_path: Path) -> None:
     ts.rehearse(other, tmp_path, shard=(2, 2))
     with pytest.raises(ts.InvalidInput, match="shares of one study"):
         ts.merge_shards(tmp_path)
+
+
+def test_law_a_merge_that_came_too_early_leaves_nothing_behind(tmp_path: Path) -> None:
+    """So shares that are run again over other values can be merged there."""
+    for index, over in ((1, [0.0, 0.1]), (1, [0.0, 0.2]), (2, [0.0, 0.2])):
+        ts.sweep(guarded(), tmp_path, {"network.loss": over}, trials=False, shard=(index, 2), fresh=True)
+        if index == 1:
+            with pytest.raises(ts.InvalidInput, match="are missing"):
+                ts.merge_shards(tmp_path)
+    found = ts.merge_shards(tmp_path)
+    assert isinstance(found, xr.Dataset)
+    assert found["network.loss"].values.tolist() == [0.0, 0.2]
+
+
+@pytest.mark.parametrize(("run", "count", "name"), WORK)
+def test_law_merging_over_another_result_says_what_helps(
+    run: Callable[[Path, Shard | None], Any], count: int, name: str, tmp_path: Path
+) -> None:
+    run(tmp_path, Shard(1, count))
+    (tmp_path / name).write_text("somebody's")
+    with pytest.raises(ts.InvalidInput) as refused:
+        ts.merge_shards(tmp_path)
+    assert "--out" in refused.value.remedy
+    assert "--fresh" not in refused.value.remedy
 
 
 def test_law_a_share_goes_on_where_it_was_stopped(tmp_path: Path) -> None:

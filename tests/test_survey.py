@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import telespring as ts
 
@@ -72,6 +73,15 @@ def test_law_progress_reaches_the_end() -> None:
         ({"operator_mass": -1.0}, "operator_mass"),
         ({"shard": (3, 2)}, "shard"),
         ({"dyads": 0}, "dyads"),
+        ({"dyads": 1.5}, "dyads"),
+        ({"dyads": 10**30}, "dyads"),
+        ({"seed": -1}, "seed"),
+        ({"cells": (1, 2, 3)}, "cells"),
+        ({"cells": (1.5, 2)}, "cells"),
+        ({"cells": (-1, 2)}, "cells"),
+        ({"cells": 4}, "cells"),
+        ({"cells": (10_000, 10_000)}, "cells"),
+        ({"mass": 1.0}, "mass"),
     ],
 )
 def test_law_what_cannot_be_drawn_is_refused(changed: dict[str, Any], field: str) -> None:
@@ -83,6 +93,41 @@ def test_law_what_cannot_be_drawn_is_refused(changed: dict[str, Any], field: str
 def test_law_surveys_of_other_populations_do_not_add_up() -> None:
     with pytest.raises(ts.InvalidInput, match="one population"):
         ts.merge_surveys([ts.survey_dyads(10, cells=(1, 1)), ts.survey_dyads(10, cells=(1, 1), seed=2)])
+
+
+def test_law_shares_from_files_add_up(tmp_path: Path) -> None:
+    files = [tmp_path / f"{index}.nc" for index in (1, 2)]
+    for index, file in enumerate(files, start=1):
+        ts.survey_dyads(100, cells=(2, 1), shard=(index, 2)).to_netcdf(file, engine="h5netcdf")
+    merged = ts.merge_surveys([xr.load_dataset(file, engine="h5netcdf") for file in files])
+    assert merged.identical(ts.survey_dyads(100, cells=(2, 1)))
+
+
+@pytest.mark.parametrize(
+    ("shares", "said"),
+    [
+        (["1/2"], "all 2 shares, each once"),
+        (["1/2", "1/2"], "all 2 shares, each once"),
+        (["1/2", "2/2", "2/2"], "all 2 shares, each once"),
+        (["1/2", "2/3"], "all shares of one division"),
+        ([None, None], "all shares of one division"),
+    ],
+)
+def test_law_a_missing_or_repeated_share_is_refused(shares: list[str | None], said: str) -> None:
+    with pytest.raises(ts.InvalidInput, match=said):
+        ts.merge_surveys([ts.survey_dyads(12, cells=(1, 1), shard=share) for share in shares])
+
+
+def test_law_shares_of_other_numbers_of_dyads_do_not_add_up() -> None:
+    with pytest.raises(ts.InvalidInput, match="one population"):
+        ts.merge_surveys(
+            [ts.survey_dyads(total, cells=(1, 1), shard=(index, 2)) for index, total in ((1, 10), (2, 20))]
+        )
+
+
+def test_law_numbers_of_any_kind_are_read() -> None:
+    found = ts.survey_dyads(1e2, cells=[2, np.int64(1)], mass=[0.5, 5.0])  # type: ignore[arg-type]
+    assert found.identical(ts.survey_dyads(100, cells=(2, 1)))
 
 
 def test_law_the_example_draws_the_map(root: Path, tmp_path: Path) -> None:

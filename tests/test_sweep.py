@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -15,6 +16,7 @@ import telespring as ts
 from resuming import interrupted_after, left_in, written
 from short_sweep import OVER, command, guarded, loaded
 from telespring.analysis import measure
+from telespring.show.screens.sweep import _percent
 from telespring.sweeps.over import read_over, read_overs
 from telespring.sweeps.plan import plan_sweep
 from telespring.sweeps.rows import RowFile
@@ -133,6 +135,29 @@ def test_law_damaged_rows_are_run_again(
     assert loaded(tmp_path).identical(whole)
 
 
+def test_law_an_agent_that_failed_at_once_may_be_corrected(study: ts.Study, tmp_path: Path) -> None:
+    """Only points have been judged; with a finished trial another agent is another sweep."""
+    agent = tmp_path / "mine.py"
+    program = (
+        "class Pull:\n"
+        "    def __init__(self, seed): pass\n"
+        "    def __call__(self, time, position, velocity, target): return {}\n"
+    )
+    agent.write_text(program.format("None"))
+    mine = {"kind": "python", "class": "mine:Pull"}
+    file = written(tmp_path, study.replace(agent1=mine, protocol={"trials": 1}).to_toml())
+    for result, status in (("None", 2), ("(0.0, 0.0)", 0), ("(1.0, 0.0)", 2)):
+        agent.write_text(program.format(result))
+        done = command("sweep", file, "--over", "network.loss=0,0.1", "--out", tmp_path / "out")
+        assert done.exit_code == status, done.output
+    assert "another version of a Python file" in " ".join(done.output.split())
+
+
+def test_law_all_is_said_only_where_it_is_all() -> None:
+    said = [_percent(share) for share in (0.0, 0.99949, 0.9996, 1.0)]
+    assert said == ["0 %", "99.9 %", "> 99.9 %", "100 %"]
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="a limit stands for a full disk")
 def test_law_a_full_disk_is_an_error_and_loses_nothing(tmp_path: Path) -> None:
     code = (
@@ -198,6 +223,12 @@ def test_law_the_other_format_is_written_without_running_anything_again(
         (["protocol.delay=0", "delay=0.1"], "both of these set protocol.delay"),
         (["network.loss=0,0.1,0.0"], "given once"),
         (["network.loss=0.1:0.1:2"], "given once"),
+        (["network.loss=0,,0.1"], "between two commas"),
+        (["robot1.damping=1:20"], "from:to:how many"),
+        (["robot1.damping=1:20:9.5"], "from:to:how many"),
+        (["network.loss=0.1;0.2"], "from:to:how many"),
+        (['session.strategy=spring,{kind="guard",share=0.5}'], "as one list in TOML"),
+        (["session.strategy.share=0.1,0.2"], "session.strategy=[{…, share = …}"),
         ({"session.strategy": "guard"}, "a list of values"),
         ({"network.loss": 0.1}, "a list of values"),
         ({"network.loss": np.array(0.1)}, "a list of values"),
@@ -206,7 +237,7 @@ def test_law_the_other_format_is_written_without_running_anything_again(
 def test_law_what_cannot_be_swept_is_refused(
     study: ts.Study, over: dict[str, list[float]] | list[str], said: str, tmp_path: Path
 ) -> None:
-    with pytest.raises(ts.InvalidInput, match=said.replace("(", r"\(")):
+    with pytest.raises(ts.InvalidInput, match=re.escape(said)):
         ts.sweep(study, tmp_path, over)
 
 
@@ -232,6 +263,8 @@ def test_law_a_key_that_changes_nothing_is_said(study: ts.Study, tmp_path: Path)
         ("robot1.damping=log:1:100:3", [1.0, 10.0, 100.0]),
         ("session.strategy=spring, guard", ["spring", "guard"]),
         ("network.playout_buffer=true,false", [True, False]),
+        ("network.playout_buffer=True,False", [True, False]),
+        ("network.trace=2024-11-03.csv, ../b.csv", ["2024-11-03.csv", "../b.csv"]),
         ('session.strategy=[{kind = "guard", share = 0.5}]', [{"kind": "guard", "share": 0.5}]),
     ],
 )

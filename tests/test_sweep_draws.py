@@ -60,9 +60,46 @@ def test_law_the_guard_keeps_its_law_and_a_bare_spring_would_not(study: ts.Study
     laboratory = experiment.laboratory_on((None, None))
     recording = laboratory.run(150.0, 0.084, 1, 10.0, 100.0)
     assert recording.status == "completed"
-    row = trial_row(recording, experiment, guarded())
+    row = trial_row(recording, 1, 150.0, experiment, guarded())
     assert [each.name for each in trial_variables()].index("guard_spare") == 2
     assert row[2] < -1.0
+
+
+def _stiff_and_light(record_rate: float) -> ts.Study:
+    """Return a guarded pair that swings faster than 50 Hz; the overdraft is proven to be small."""
+    light = {"mass": 0.1, "damping": 1.0, "mass_sd": None, "damping_sd": None}
+    protocol = {"stiffness": [5000.0], "delay": [0.15], "duration": 6.0, "record_rate": record_rate}
+    return guarded().replace(robot1=light, robot2=light, protocol=protocol)
+
+
+def test_law_the_law_of_the_guard_is_judged_alike_however_few_samples_are_recorded(tmp_path: Path) -> None:
+    found = ts.sweep(_stiff_and_light(100.0), tmp_path, {"protocol.record_rate": [1, 100, 1000]})
+    spare = found.guard_spare.isel(condition=1).values
+    assert (spare > 0.0).all()
+    assert (spare == spare[0]).all()
+
+
+def test_law_a_slow_guard_may_overdraw_its_account_as_far_as_is_proven(tmp_path: Path) -> None:
+    """At 100 Hz a force is held long enough to give out some millijoules that no account had."""
+    slow = guarded().replace(
+        robot1={"mass": 1.86177, "damping": 0.708966, "mass_sd": None, "damping_sd": None},
+        robot2={"mass": 0.65474, "damping": 3.239938},
+        controller={"sample_period": 0.01},
+        protocol={"stiffness": [648.2], "delay": [0.0, 0.1, 0.3], "trials": 3, "duration": 6.0},
+    )
+    assert slow.guard_overdraft(648.2).is_proven
+    found = ts.sweep(slow, tmp_path, {"network.loss": [0.0]})
+    assert float(found.guard_spare.min()) >= 0.0
+
+
+def test_law_a_guard_whose_robots_run_away_is_judged_too() -> None:
+    """The private measure: a bare spring that flings its robots apart, measured as if it were guarded."""
+    spring = guarded().replace(protocol={"duration": 10.0}, session=None)
+    experiment = spring.experiment
+    assert experiment is not None
+    recording = experiment.laboratory.run(500.0, 0.2, 1, 10.0, 1000.0)
+    assert recording.status == "diverged"
+    assert trial_row(recording, 10, 500.0, experiment, guarded())[2] < -100.0
 
 
 def test_law_controllers_count_on_the_identified_robots_not_on_the_drawn(
@@ -96,7 +133,7 @@ def test_cross_a_drawn_robot_moves_as_one_that_is_known(study: ts.Study, tmp_pat
     stiffness, delay = experiment.conditions[2]
     seed = trial_seed(experiment.seed, 2, 0)
     recording = experiment.laboratory.run(stiffness, delay, seed, experiment.duration, experiment.record_rate)
-    row = trial_row(recording, experiment, known)
+    row = trial_row(recording, 1, stiffness, experiment, known)
     here = found.isel(condition=2, trial=0)
     place = 3 + len(REPORTS)
     np.testing.assert_array_equal(row[place : place + 2], here.tracking_error.values)
@@ -133,7 +170,7 @@ def test_law_a_robot_with_less_damping_than_the_guard_counts_on_breaks_the_law(s
         laboratory = pickle.loads(pickle.dumps(experiment.laboratory.with_robots(dyad)))
         recording = laboratory.run(150.0, 0.084, 1, 4.0, 100.0)
         drawn = known.replace(**{name: {"damping": [robot.damping[0]] * 2} for name in ("robot1", "robot2")})
-        spare.append(trial_row(recording, experiment, drawn)[2])
+        spare.append(trial_row(recording, 1, 150.0, experiment, drawn)[2])
     assert spare[0] >= 0.0
     assert spare[1] < -1.0
 
@@ -153,8 +190,10 @@ def test_law_a_broken_law_of_the_guard_is_the_commands_status(
     """The private measure gives out too much in two trials; no guard does."""
     honest = trial_row
 
-    def lying(recording: Recording, experiment: ts.Experiment, drawn: ts.Study) -> FloatArray:
-        row = honest(recording, experiment, drawn)
+    def lying(
+        recording: Recording, stride: int, k: float | None, experiment: ts.Experiment, drawn: ts.Study
+    ) -> FloatArray:
+        row = honest(recording, stride, k, experiment, drawn)
         row[2] = -0.5 if np.isfinite(row[2]) and recording.coupling_energy != 0.0 else row[2]
         return row
 
@@ -173,3 +212,16 @@ def test_law_a_broken_law_of_the_guard_is_the_commands_status(
 def test_law_draws_need_an_uncertainty(tmp_path: Path) -> None:
     with pytest.raises(ts.InvalidInput, match="mass_sd"):
         ts.sweep(ts.Study.paper(), tmp_path, draws=3)
+
+
+def test_law_a_draw_may_be_lighter_than_robots_usually_are(tmp_path: Path) -> None:
+    light = guarded().replace(robot1={"mass": 0.02, "damping": 1.0, "mass_sd": 0.006})
+    found = ts.sweep(light, tmp_path, draws=50, trials=False)
+    assert 1e-4 < float(found.robot_mass.min()) < 0.01
+
+
+def test_law_an_uncertainty_may_be_swept_from_none_on(tmp_path: Path) -> None:
+    known = guarded().replace(robot1={"mass_sd": None, "damping_sd": None})
+    found = ts.sweep(known, tmp_path, {"robot1.mass_sd": [0.0, 0.05]}, draws=3, trials=False)
+    spread = np.ptp(found.robot_mass.sel(robot=1, axis="x").values, axis=-1)
+    assert spread[0] == 0.0 < spread[1]

@@ -120,6 +120,10 @@ def _merge_shares(
     from telespring.sweeps.run import SweepOutcome
 
     console = screen_console(stderr=as_json)
+    if study is not None and not study.is_file():
+        raise InvalidInput(
+            "--study", str(study), "a study file is required", "Name the study that the shares ran."
+        )
     modules = None if study is None else study.parent
     with resuming(console, out or parts[0], "results") as progress:
         merged = merge_shares(parts, out, modules=modules, as_zarr=as_zarr, progress=progress)

@@ -92,8 +92,13 @@ class TrialRunner:
         """A target written in Python at every tick, m; None if it is the laboratory's."""
         return self.user_code.target_positions(self.experiment.tick_count, self.experiment.sample_period)
 
-    def record(self, trial: ScheduledTrial, stop: Event | None = None) -> Recording:
-        """Run one trial; RehearsalStopped once `stop` is set."""
+    def record(
+        self, trial: ScheduledTrial, stop: Event | None = None, *, record_rate: float | None = None
+    ) -> Recording:
+        """Run one trial; RehearsalStopped once `stop` is set.
+
+        `record_rate` (Hz) is that of the protocol unless it is given; the motion is the same at every rate.
+        """
         experiment, stopped = self.experiment, Event() if stop is None else stop
 
         def raise_if_stopped() -> None:
@@ -107,7 +112,7 @@ class TrialRunner:
                 condition.delay,
                 trial.seed,
                 experiment.duration,
-                experiment.record_rate,
+                experiment.record_rate if record_rate is None else record_rate,
                 agents=self.user_code.create_agents(trial.seed, stopped),
                 target=self.target,
                 coupling_damping=experiment.coupling_damping,

@@ -5,7 +5,8 @@
 
 from telespring.sweeps.merging import merge_shards
 from telespring.sweeps.run import run_sweep, sweep
-from telespring.sweeps.survey import merge_surveys, survey_dyads, unsafe_quantile
+from telespring.sweeps.survey import survey_dyads, unsafe_quantile
+from telespring.sweeps.survey_merging import merge_surveys
 
 __all__ = [
     "merge_shards",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
+from collections.abc import Iterable
 from statistics import NormalDist
 from typing import Any
 
@@ -18,9 +19,9 @@ _NORMAL = NormalDist()
 _ATTEMPTS = 1000
 
 
-def require_uncertainty(study: Study) -> None:
-    """Refuse a study of which nothing can be drawn."""
-    if study.uncertainty == (None, None):
+def require_uncertainty(studies: Iterable[Study]) -> None:
+    """Refuse studies of which nothing can be drawn."""
+    if all(study.uncertainty == (None, None) for study in studies):
         raise InvalidInput(
             "draws",
             "",

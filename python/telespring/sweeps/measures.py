@@ -13,6 +13,7 @@ from telespring._types import FloatArray, Tier
 from telespring.decision.question import Question, is_stable
 from telespring.rehearsal.encoding import REPORTS, SIDE_REPORTS, STATUSES, Report
 from telespring.rehearsal.traces import RecordedTraces
+from telespring.sweeps.guard_law import guard_spare
 from telespring.sweeps.plan import SweepPlan
 
 __all__ = ["TIERS", "Variable", "point_row", "point_variables", "split_row", "trial_row", "trial_variables"]
@@ -59,7 +60,7 @@ def _of_robot(report: Report) -> Variable:
     return Variable(report.name, report.units, report.long_name, ("robot",), (2,))
 
 
-#: Of a trial that was not completed the measures are NaN.
+#: Of a trial that was not completed the error and the forces are NaN.
 _TRIAL = (
     Variable(
         "status", "1", f"how the trial ended: {', '.join(f'{i} {word}' for i, word in enumerate(STATUSES))}"
@@ -68,9 +69,9 @@ _TRIAL = (
     Variable(
         "guard_spare",
         "J",
-        "what the guards of both sides could still have given out at the end, by the law that they promise: "
-        "what both accounts held at the start and the share of what the robots' damping took, less what the "
-        "coupling gave out; NaN without a guard",
+        "what the guards of both sides could still have given out when it ended, by the law that they "
+        "promise: what both accounts held at the start, the share of what the robots' damping took and the "
+        "overdraft, less what the coupling gave out; NaN without a guard",
     ),
     *(_of_trial(report) for report in REPORTS),
     Variable("tracking_error", "m", "mean distance to the target (Eq. 15)", ("robot",), (2,)),
@@ -85,12 +86,15 @@ def trial_variables() -> tuple[Variable, ...]:
     return _TRIAL
 
 
-def trial_row(recording: Recording, experiment: Experiment, study: Study) -> FloatArray:
-    """Measure a trial."""
-    force = np.hypot(*np.moveaxis(recording.coupling_force, -1, 0))
-    error = np.hypot(*np.moveaxis(recording.position - recording.target[:, None], -1, 0))
+def trial_row(
+    recording: Recording, stride: int, stiffness: float | None, experiment: Experiment, study: Study
+) -> FloatArray:
+    """Measure a trial, of which every `stride`-th row is one of the protocol's samples."""
+    sampled = slice(None, None, stride)
+    force = np.hypot(*np.moveaxis(recording.coupling_force[sampled], -1, 0))
+    error = np.hypot(*np.moveaxis(recording.position[sampled] - recording.target[sampled, None], -1, 0))
     # A millionth of a sample for rounding, as the analysis of trials has it.
-    analysed = recording.time >= experiment.discard - 1e-6 / experiment.record_rate
+    analysed = recording.time[sampled] >= experiment.discard - 1e-6 / experiment.record_rate
     measures = np.full((3, 2), np.nan)
     if recording.status == "completed":
         force, error = force[analysed], error[analysed]
@@ -100,31 +104,13 @@ def trial_row(recording: Recording, experiment: Experiment, study: Study) -> Flo
             [
                 float(STATUSES.index(recording.status)),
                 np.nan if recording.ended_at is None else recording.ended_at,
-                _guard_spare(recording, experiment, study),
+                guard_spare(recording, stiffness, experiment, study),
                 *(getattr(recording, report.name) for report in REPORTS),
             ],
             measures.reshape(-1),
             *(getattr(recording, report.name) for report in SIDE_REPORTS),
         ]
     )
-
-
-def _guard_spare(recording: Recording, experiment: Experiment, study: Study) -> float:
-    """Compute what the guards could still have given out, J; below 0 their law is broken.
-
-    The law is that of docs/guard.md, both sides together: what a side takes in the other has sent. A partner
-    that lies about it adds what the intake lets through. The damping is that of the robots of `study`,
-    whatever the guards count on.
-    """
-    settings = study.session.guard_settings
-    if settings is None or recording.status != "completed":
-        return float("nan")
-    share, capacity, intake = settings
-    damping = np.array([robot.damping for robot in study.dyad.robots])
-    power = (damping * recording.velocity**2).sum(axis=(-2, -1))
-    taken = float(np.trapezoid(power, recording.time))
-    lied = sum(each is not None and each.kind == "lying-peer" for each in study.adversaries)
-    return 2.0 * capacity + share * taken + lied * intake * experiment.duration + recording.coupling_energy
 
 
 def point_variables(plan: SweepPlan, axes: int) -> tuple[Variable, ...]:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
@@ -142,11 +143,29 @@ def merge_shares(
         # Where the shares ran, if that is here.
         there = next((Path(each.modules) for each in facts if each.modules is not None), None)
         modules = there if there is not None and there.is_dir() else None
-    if job == "rehearsal":
-        return merge_rehearsal(shares, out, modules, progress)
-    if job == "comparison":
-        return merge_comparison(shares, out, modules, progress)
-    return _merge_sweep(shares, out, modules, progress, as_zarr=as_zarr)
+    with _refusing_result():
+        if job == "rehearsal":
+            return merge_rehearsal(shares, out, modules, progress)
+        if job == "comparison":
+            return merge_comparison(shares, out, modules, progress)
+        return _merge_sweep(shares, out, modules, progress, as_zarr=as_zarr)
+
+
+@contextmanager
+def _refusing_result() -> Iterator[None]:
+    """Say what helps where the folder of the result holds something else: merging has no `fresh`."""
+    try:
+        yield
+    except InvalidInput as refused:
+        if refused.field != "out" or "--fresh" not in refused.remedy:
+            raise
+        raise InvalidInput(
+            refused.field,
+            refused.value,
+            refused.allowed,
+            "Write another folder with --out (out=… in Python), or remove what is in this one, but for the "
+            "shares.",
+        ) from None
 
 
 def find_shares(folders: Iterable[Path]) -> list[Path]:
@@ -211,18 +230,32 @@ def _merge_sweep(
     with lock_folder(out):
         if has_sweep(store, plan, as_zarr=as_zarr):
             return outcome
-        store.begin()
-        counter = Counter(done, progress)
-        missing = _gather(store.points, [source.points for source in sources], plan.points, counter)
-        missing += _gather(store.trials, [source.trials for source in sources], plan.units, counter)
+        store.require_own_rows()
+        points, trials = [source.points for source in sources], [source.trials for source in sources]
+        # Before anything is written: the folder stays free for what the shares may become.
+        missing = _missing([store.points, *points], plan.points)
+        missing += _missing([store.trials, *trials], plan.units)
         if missing:
             raise missing_refusal(missing, done, shares)
+        store.begin()
+        counter = Counter(done, progress)
+        _gather(store.points, points, counter)
+        _gather(store.trials, trials, counter)
         finish_sweep(store, plan, as_zarr=as_zarr)
     return outcome
 
 
-def _gather(target: RowFile, sources: Sequence[RowFile], count: int, counter: Counter) -> list[int]:
-    """Take rows from other files; return the places of those that no file has."""
+def _missing(sources: Sequence[RowFile], count: int) -> list[int]:
+    """Return the places of rows that no file has."""
+    is_there = np.zeros(count, dtype=bool)
+    for source in sources:
+        places, _ = source.read()
+        is_there[places[places < count].astype(np.int64)] = True
+    return [int(place) for place in np.flatnonzero(~is_there)]
+
+
+def _gather(target: RowFile, sources: Sequence[RowFile], counter: Counter) -> None:
+    """Take rows from other files."""
     kept = set(target.begin().tolist())
     counter.add(len(kept))
     for source in sources:
@@ -232,7 +265,6 @@ def _gather(target: RowFile, sources: Sequence[RowFile], count: int, counter: Co
             target.append(places[new].tolist(), values[new])
             kept |= set(places[new].tolist())
             counter.add(int(new.sum()))
-    return [place for place in range(count) if place not in kept]
 
 
 def _sweep_identity(share: Path) -> SweepIdentity:

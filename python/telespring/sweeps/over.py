@@ -18,6 +18,8 @@ __all__ = ["Over", "as_number", "read_over", "read_overs"]
 
 _KEY = re.compile(r"[a-z_]+\d?\.[a-z_]+")
 _RANGE = re.compile(r"(log:)?([^:,\s]+):([^:,\s]+):(\d+)")
+#: Numbers with something else between them than a comma.
+_NUMBERS = re.compile(r"[-+.\d][-+.\deE]*(\s*[:;\s]\s*[-+.\d][-+.\deE]*)+")
 _MOST = 1_000_000
 _REMEDY = (
     "Write, for example, coupling.stiffness=20,40,80 or network.delay=0:0.2:11 (from, to, how many) or "
@@ -135,7 +137,30 @@ def read_over(text: str) -> Over:
     if written.startswith(("[", "{")):
         listed = _toml(text, written)
         return _from_values(key, listed if isinstance(listed, list) else [listed])
+    for each in written.split(","):
+        _refuse_what_is_no_word(text, key, each.strip())
     return _from_values(key, [_scalar(each.strip()) for each in written.split(",")])
+
+
+def _refuse_what_is_no_word(text: str, key: str, written: str) -> None:
+    """Refuse what is neither a number nor a word: a range, list or table that was written otherwise."""
+    if not written:
+        raise InvalidInput(
+            "over", text, "a value is required between two commas", "Leave the second comma out."
+        )
+    if any(sign in written for sign in "{}[]="):
+        raise InvalidInput(
+            "over",
+            text,
+            "tables, and what stands beside them, are written as one list in TOML",
+            f'Write, for example, {key}=["spring", {{kind = "guard", share = 0.5}}].'
+            if key == "session.strategy"
+            else f"Write {key}=[…, …], words in quotation marks.",
+        )
+    if _NUMBERS.fullmatch(written):
+        raise InvalidInput(
+            "over", text, "a list of numbers with commas, or a range from:to:how many, is required", _REMEDY
+        )
 
 
 def _range(text: str, found: re.Match[str]) -> list[float] | list[int]:
@@ -156,8 +181,8 @@ def _range(text: str, found: re.Match[str]) -> list[float] | list[int]:
 
 
 def _scalar(written: str) -> Any:
-    if written in ("true", "false"):
-        return written == "true"
+    if written in ("true", "false", "True", "False"):
+        return written.lower() == "true"
     try:
         return int(written)
     except ValueError:
@@ -176,6 +201,14 @@ def _toml(text: str, written: str) -> Any:
 
 
 def _from_values(key: str, values: Any) -> Over:
+    if key.count(".") > 1:
+        section, name, *inner = key.split(".")
+        raise InvalidInput(
+            "over",
+            key,
+            "a key is a section and a name; what is inside of a table is swept by whole tables",
+            f"Write {section}.{name}=[{{…, {inner[0]} = …}}, {{…}}] with all that each table has.",
+        )
     if key not in _BOTH and _KEY.fullmatch(key) is None:
         raise InvalidInput(
             "over",

@@ -81,7 +81,8 @@ class SweepPlan:
             return study
         places = self._places(point)
         with self._saying_where(places):
-            return study.replace(**drawn_robots(study, self.seed, places[-1]))
+            # A draw may be lighter than what a study is usually asked for.
+            return study.replace(allow_unusual=True, **drawn_robots(study, self.seed, places[-1]))
 
     def _places(self, point: int) -> list[int]:
         """Return the places of a point along all dimensions."""
@@ -125,11 +126,14 @@ class SweepPlan:
             return
         size = len(experiment.conditions), experiment.trials
         if size != (self.conditions, self.trials):
+            swept = [each.key for each in self.over if each.key.startswith("protocol.")]
             raise InvalidInput(
                 "protocol",
                 f"{size[0]} conditions × {size[1]} trials",
                 f"every point needs as many as the first, {self.conditions} × {self.trials}",
-                "Write protocol.stiffness, protocol.delay and protocol.trials into the study.",
+                f"Run a sweep for each number of them, in a folder of its own, rather than over {swept[0]}."
+                if swept
+                else "Write protocol.stiffness, protocol.delay and protocol.trials into the study.",
             )
 
 
@@ -153,7 +157,10 @@ def plan_sweep(
         )
     if draws < 0 or not 0 <= seed < 2**63:
         raise InvalidInput(
-            "draws", f"{draws}, seed {seed}", "draws of 0 or more, and a seed from 0 to 2⁶³ − 1", "Change it."
+            "draws",
+            f"{draws}, seed {seed}",
+            "draws of 0 or more, and a seed from 0 to 2⁶³ − 1",
+            "Correct it.",
         )
     if quick:
         keys, draws = tuple(each.thinned() for each in keys), min(draws, QUICK_DRAWS)
@@ -161,8 +168,6 @@ def plan_sweep(
         if experiment is not None and experiment.trials > QUICK_TRIALS:
             study = study.replace(protocol={"trials": QUICK_TRIALS})
     first = _changed(study, keys, [0] * len(keys))
-    if draws:
-        require_uncertainty(first)
     experiment = first.experiment if trials else None
     conditions = 1 if experiment is None else len(experiment.conditions)
     plan = SweepPlan(study, keys, draws, seed, conditions, 0 if experiment is None else experiment.trials)
@@ -174,8 +179,9 @@ def plan_sweep(
             "Take fewer values; telespring.survey_dyads counts 10⁹ dyads without storing them.",
         )
     # A slip is refused before anything runs.
-    for _ in islice(plan.values_by_themselves(), 1000):
-        pass
+    studies = [first, *islice(plan.values_by_themselves(), 1000)]
+    if draws:
+        require_uncertainty(studies)
     return plan
 
 

@@ -38,11 +38,6 @@ class RowFile:
         self._fingerprint = fingerprint.encode()
         self._type = np.dtype([("place", "<u8"), ("values", "<f8", (width,)), ("digest", "u1", (_DIGEST,))])
 
-    @property
-    def has_rows(self) -> bool:
-        """Whether anything was appended, by whichever sweep."""
-        return self.path.exists() and self.path.stat().st_size > len(_MAGIC)
-
     def read(self) -> tuple[NDArray[np.uint64], FloatArray]:
         """Return places and numbers of all whole rows, each place once, by place."""
         try:
@@ -55,6 +50,10 @@ class RowFile:
         whole = np.array([self._is_whole(row.tobytes()) for row in rows], dtype=bool)
         places, first = np.unique(rows["place"][whole], return_index=True)
         return places, rows["values"][whole][first]
+
+    def has_rows(self) -> bool:
+        """Check whether something was appended, by whichever sweep."""
+        return self.path.exists() and self.path.stat().st_size > len(_MAGIC)
 
     def begin(self) -> NDArray[np.uint64]:
         """Drop what is torn, so that rows can be appended; return the places of those that are kept."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import shutil
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from telespring._files import write_whole
@@ -129,9 +129,7 @@ class SweepStore:
 
     def require_own_rows(self) -> None:
         """Refuse a folder with finished rows of another sweep."""
-        require_claimable(
-            self._identity_file, "sweep", self.identity.describe_difference, lambda _: self._has_rows()
-        )
+        require_claimable(self._identity_file, "sweep", self.identity.describe_difference, self._has_finished)
 
     def begin(self) -> None:
         """Claim the folder for this sweep; InvalidInput if it holds another with finished rows."""
@@ -157,8 +155,15 @@ class SweepStore:
             shutil.rmtree(self.zarr)
         self.remove_rows()
 
-    def _has_rows(self) -> bool:
-        return any(file.has_rows for file in (self.points, self.trials))
+    def _has_finished(self, stored: str) -> bool:
+        """Check whether there are results to keep, of the sweep with this stored identity.
+
+        Before the first trial only points are there: an agent that failed at once may be corrected.
+        """
+        if self.trials.has_rows():
+            return True
+        other = replace(SweepIdentity.from_json(stored), programs=self.identity.programs)
+        return self.points.has_rows() and other.fingerprint != self.identity.fingerprint
 
 
 def _zarr_identity(folder: Path) -> str | None:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 __all__ = ["SweepRow", "SweepSummary", "summarise_sweep"]
 
-#: J, and the share of what the guard holds back; the integral over recorded samples is not more exact.
+#: J; the integral of what the damping took is not more exact.
 _SPARE_ERROR = 1e-3
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+import operator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing, contextmanager
 from dataclasses import asdict, dataclass
@@ -19,10 +20,12 @@ from telespring.rehearsal.shards import Shard, ShardLike, read_shard
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["merge_surveys", "survey_dyads", "unsafe_quantile"]
+__all__ = ["survey_dyads", "unsafe_quantile"]
 
 #: Dyads that one task counts, about: a second of one core.
 _PER_TASK = 4_000_000
+#: Cells at most: of each 512 counts are kept.
+_MOST_CELLS = 100_000
 Range = tuple[float, float]
 
 
@@ -38,6 +41,42 @@ class _Population:
     operator_mass: float
     operator_damping: float
     seed: int
+
+    @classmethod
+    def read(cls, **given: Any) -> _Population:
+        """Read the keywords as a caller gives them; InvalidInput where one is of another kind."""
+        for name in ("mass", "damping", "mass_ratio", "damping_ratio"):
+            given[name] = _pair(name, given[name], float, "numbers, the smaller one first")
+        given["cells"] = _pair("cells", given["cells"], operator.index, "whole numbers")
+        given["seed"] = _whole("seed", given["seed"], 0, 2**63 - 1)
+        rows, columns = given["cells"]
+        if min(rows, columns) < 1 or rows * columns > _MOST_CELLS:
+            raise _refused(
+                "cells", (rows, columns), f"1 cell or more in each direction and {_MOST_CELLS} in all are"
+            )
+        return cls(**given)
+
+
+def _refused(name: str, value: object, allowed: str) -> InvalidInput:
+    return InvalidInput(name, str(value), f"{allowed} required", "See the documentation of survey_dyads.")
+
+
+def _whole(name: str, value: Any, least: int, most: int) -> int:
+    try:
+        number = operator.index(value)
+    except TypeError:
+        number = int(value) if isinstance(value, float) and value.is_integer() else least - 1
+    if not least <= number <= most:
+        raise _refused(name, value, f"a whole number from {least} to {most} is")
+    return number
+
+
+def _pair(name: str, value: Any, read: Callable[[Any], Any], kind: str) -> tuple[Any, Any]:
+    try:
+        first, second = value
+        return read(first), read(second)
+    except (TypeError, ValueError):
+        raise _refused(name, value, f"two {kind}, are") from None
 
 
 def _count(population: _Population, first: int, count: int) -> tuple[Any, Any, Any, Any]:
@@ -92,7 +131,8 @@ def survey_dyads(
     xarray.Dataset
         Over (mass_ratio, damping_ratio), at the middles of the cells: ``dyads`` and ``unsafe`` (counts) and
         ``largest``, the largest ratio of the paper's to the exact critical stiffness; ``histogram`` counts
-        the unsafe dyads by that ratio, whose lower edges are ``ratio``, each 1.02 times the one before.
+        the unsafe dyads by that ratio, whose lower edges are ``ratio``, each 1.02 times the one before. Of a
+        share, the attribute ``shard`` says which one it is.
 
     Raises
     ------
@@ -108,15 +148,21 @@ def survey_dyads(
     >>> (survey.unsafe / survey.dyads).values.round(2).tolist()
     [[0.0, 0.86, 1.0]]
     """
-    if dyads < 1:
-        raise InvalidInput("dyads", str(dyads), "1 dyad or more", "Give the number for the whole map.")
-    population = _Population(
-        mass, damping, mass_ratio, damping_ratio, cells, operator_mass, operator_damping, seed
+    population = _Population.read(
+        mass=mass,
+        damping=damping,
+        mass_ratio=mass_ratio,
+        damping_ratio=damping_ratio,
+        cells=cells,
+        operator_mass=operator_mass,
+        operator_damping=operator_damping,
+        seed=seed,
     )
     _count(population, 0, 0)  # refuses what cannot be drawn, in this process
-    count = cells[0] * cells[1]
-    per_cell = -(-dyads // count)
-    share = read_shard(shard) or Shard(1, 1)
+    count = population.cells[0] * population.cells[1]
+    per_cell = -(-_whole("dyads", dyads, 1, 10**18) // count)
+    part = read_shard(shard)
+    share = part or Shard(1, 1)
     first, last = ((index * per_cell) // share.count for index in (share.index - 1, share.index))
     step = max(1, _PER_TASK // count)
     tasks = [(population, start, min(step, last - start)) for start in range(first, last, step)]
@@ -125,12 +171,13 @@ def survey_dyads(
     if progress is not None:
         progress(done, total)
     with _pool(executor) as (pool, in_flight), closing(run_tasks(pool, _count, tasks, in_flight)) as parts:
-        for part in parts:
-            totals = _sum(totals, part)
-            done += int(part[0].sum())
+        for counted in parts:
+            totals = _sum(totals, counted)
+            done += int(counted[0].sum())
             if progress is not None:
                 progress(done, total)
-    return _dataset(population, totals)
+    found = _dataset(population, totals).assign_attrs(dyads_per_cell=per_cell)
+    return found if part is None else found.assign_attrs(shard=str(part))
 
 
 @contextmanager
@@ -208,48 +255,6 @@ def _about(units: str, long_name: str) -> dict[str, str]:
 def _middles(ends: Range, count: int) -> FloatArray:
     edges = np.geomspace(ends[0], ends[1], count + 1)
     return np.asarray(np.sqrt(edges[:-1] * edges[1:]))
-
-
-def merge_surveys(surveys: Sequence[xr.Dataset]) -> xr.Dataset:
-    """Add the shares of a survey up.
-
-    Parameters
-    ----------
-    surveys : sequence of xarray.Dataset
-        Results of `survey_dyads` for one population, each with its `shard`.
-
-    Returns
-    -------
-    xarray.Dataset
-        What `survey_dyads` returns without shares.
-
-    Raises
-    ------
-    InvalidInput
-        If there is none, or if they are of different populations or maps.
-
-    Examples
-    --------
-    >>> import telespring as ts
-    >>> shares = [ts.survey_dyads(1000, cells=(2, 2), shard=(index, 3)) for index in (1, 2, 3)]
-    >>> ts.merge_surveys(shares).identical(ts.survey_dyads(1000, cells=(2, 2)))
-    True
-    """
-    if not surveys:
-        raise InvalidInput("surveys", "[]", "at least one survey", "Give the results of survey_dyads.")
-    first = surveys[0]
-    whole = first.copy()
-    for other in surveys[1:]:
-        if other.attrs != first.attrs or not other["dyads"].coords.identical(first["dyads"].coords):
-            raise InvalidInput(
-                "surveys", "", "surveys of one population on one map", "Give the shares of one survey_dyads."
-            )
-        for name in ("dyads", "unsafe", "histogram"):
-            whole[name] = whole[name].copy(data=whole[name].values + other[name].values)
-        whole["largest"] = whole["largest"].copy(
-            data=np.maximum(whole["largest"].values, other["largest"].values)
-        )
-    return whole
 
 
 def unsafe_quantile(survey: xr.Dataset, quantile: float) -> xr.DataArray:

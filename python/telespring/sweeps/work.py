@@ -16,6 +16,7 @@ from telespring.rehearsal.identity import core_version
 from telespring.rehearsal.traces import read_traces
 from telespring.rehearsal.user_code import load_user_code
 from telespring.rehearsal.work import TrialRunner, prepare_runner
+from telespring.sweeps.guard_law import law_stride
 from telespring.sweeps.measures import point_row, trial_row
 from telespring.sweeps.plan import SweepPlan
 from telespring.sweeps.store import SweepIdentity
@@ -124,6 +125,13 @@ def measure_trials(work: SweepWork, units: tuple[int, ...]) -> tuple[tuple[int, 
         with _LOADING:
             _check(work)
             runner = _runner_at(work, work.plan.point_of(unit))
-        recording = runner.record(work.plan.scheduled(unit, runner.experiment))
-        rows.append(trial_row(recording, runner.experiment, runner.study))
+        experiment = runner.experiment
+        scheduled = work.plan.scheduled(unit, experiment)
+        stride = experiment.tick_stride
+        if runner.study.session.guard_settings is not None:
+            stride = law_stride(experiment)
+        finer = experiment.tick_stride // stride
+        recording = runner.record(scheduled, record_rate=finer * experiment.record_rate)
+        stiffness = experiment.conditions[scheduled.condition].stiffness
+        rows.append(trial_row(recording, finer, stiffness, experiment, runner.study))
     return units, np.array(rows)

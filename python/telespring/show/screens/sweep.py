@@ -29,7 +29,9 @@ def sweep_screen(summary: SweepSummary, seconds: float | None) -> RenderableType
     ]
     if whole.stable_share is not None:
         share = _percent(whole.stable_share)
-        parts.append(Text(f"The bare spring is stable at {share} of the points' conditions."))
+        parts.append(
+            Text(f"At a constant delay the bare spring is stable at {share} of the points' conditions.")
+        )
     if whole.early_ends:
         ends = ", ".join(f"{count} {status}" for status, count in whole.early_ends.items())
         parts.append(Text(f"Ended early: {ends}."))
@@ -39,6 +41,8 @@ def sweep_screen(summary: SweepSummary, seconds: float | None) -> RenderableType
     for key, rows in summary.keys.items():
         if len(rows) > 1:
             parts += [Text(""), _table(key, rows)]
+            if len(rows) > _MOST_VALUES:
+                parts.append(Text(f"{_MOST_VALUES} of {len(rows)} values; the dataset has all."))
     return Group(*parts)
 
 
@@ -56,7 +60,7 @@ def _guard_line(whole: SweepRow) -> Text:
             "allows: guard_spare says how much.",
             style="yellow",
         )
-    return Text("The guards kept their law in every completed trial.")
+    return Text("The guards kept their law in every trial.")
 
 
 def _no_effect_line(key: str, *, has_trials: bool) -> Text:
@@ -94,4 +98,9 @@ def _value(row: SweepRow) -> str:
 
 
 def _percent(share: float | None) -> str:
-    return _UNKNOWN if share is None else f"{100.0 * share:.3g} %"
+    """Write a share; all and none are said only where they are meant."""
+    if share is None:
+        return _UNKNOWN
+    if 0.9995 <= share < 1.0:
+        return "> 99.9 %"
+    return f"{100.0 * share:.3g} %"
