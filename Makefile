@@ -48,7 +48,7 @@ page: toolchain ## build the page that needs no server, out/page/telespring.html
 
 # Needs Node.js; what looks at the page needs npm and Chromium. Each says loudly what it lacks.
 test-page: test-page-itself ## test the page: its core against the native one, and in a browser
-	$(PYTHON_IN_VENV) -m pytest tests/test_page_answers.py tests/test_explore.py
+	$(PYTHON_IN_VENV) -m pytest tests/test_page_answers.py tests/test_answer_rule.py tests/test_explore.py
 
 # The part of it that `make test` leaves out: where the page has been built, that runs the files above, too.
 test-page-itself: page $(STAMPS)/binding $(STAMPS)/test
