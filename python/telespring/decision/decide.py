@@ -10,19 +10,11 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from telespring import _core
+from telespring._core import constant_delay, is_axis_stable, is_instability_proven, is_stable, stiffness_limit
 from telespring._html import table
+from telespring._types import Status
 from telespring.decision.changes import Changes, Guarantee, find_changes, find_guarantees
-from telespring.decision.question import (
-    Question,
-    are_axes_independent,
-    constant_delay,
-    constant_delay_tier,
-    is_axis_stable,
-    is_instability_proven,
-    is_stable,
-    stiffness_limit,
-)
-from telespring.decision.reserve import Status
+from telespring.decision.question import Question, are_axes_independent, constant_delay_tier
 from telespring.decision.uncertainty import MarginUncertainty, RobotUncertainty, margin_uncertainty
 from telespring.decision.usable import RobotErrors
 from telespring.decision.varying_delay import VaryingDelay, limit_with_errors

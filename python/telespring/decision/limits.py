@@ -7,17 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from telespring._core import LONGEST_DELAY, RESERVE, SOFTEST, STIFFEST, constant_delay, stiffness_limit
 from telespring.decision.bisection import largest_usable
-from telespring.decision.question import (
-    LONGEST_DELAY,
-    SOFTEST,
-    STIFFEST,
-    Question,
-    are_axes_independent,
-    constant_delay,
-    stiffness_limit,
-)
-from telespring.decision.reserve import RESERVE
+from telespring.decision.question import Question, are_axes_independent
 from telespring.decision.uncertainty import RobotUncertainty
 from telespring.decision.usable import (
     RobotErrors,

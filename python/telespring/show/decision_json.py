@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from telespring._core import RESERVE, tier_stiffness_limit
 from telespring._json import finite_or_none
 from telespring.decision.arm_stability import ArmStability
 from telespring.decision.changes import Changes
 from telespring.decision.decide import AxisDecision, Decision
 from telespring.decision.limits import DelayLimits
-from telespring.decision.question import tier_stiffness_limit
-from telespring.decision.reserve import RESERVE
 from telespring.decision.uncertainty import AxisUncertainty, MarginUncertainty
 from telespring.decision.varying_delay import VaryingDelay
 from telespring.show.screens.ages import ages_notes

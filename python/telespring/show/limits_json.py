@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from telespring._core import LEAST_PROBABILITY, RESERVE
 from telespring._json import finite_or_none
 from telespring.decision.limits import DelayLimits, Limits
-from telespring.decision.reserve import LEAST_PROBABILITY, RESERVE
 from telespring.show.decision_json import network_json, sampled_bound_json, varying_json
 from telespring.show.screens.ages import ages_notes
 from telespring.show.screens.robots import robot_notes

@@ -6,8 +6,9 @@ import math
 
 from rich.text import Text
 
+from telespring._core import LEAST_PROBABILITY, RESERVE
+from telespring._types import Status
 from telespring.decision.decide import Decision
-from telespring.decision.reserve import LEAST_PROBABILITY, RESERVE, Status
 from telespring.show.quantities import (
     format_doubling_time,
     format_number,

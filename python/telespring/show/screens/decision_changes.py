@@ -5,9 +5,9 @@ from __future__ import annotations
 from rich.padding import Padding
 from rich.text import Text
 
+from telespring._core import LEAST_PROBABILITY
 from telespring.decision.changes import WIDER_TIERS, Changes
 from telespring.decision.decide import Decision
-from telespring.decision.reserve import LEAST_PROBABILITY
 from telespring.show.quantities import format_number, format_stiffness, format_time
 from telespring.show.screens.questions import delay_clause, given_delay
 

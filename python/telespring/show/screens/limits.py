@@ -9,8 +9,8 @@ from rich.console import Group, RenderableType
 from rich.padding import Padding
 from rich.text import Text
 
+from telespring._core import LEAST_PROBABILITY, RESERVE
 from telespring.decision.limits import DelayLimits, Limits, StiffnessLimits
-from telespring.decision.reserve import LEAST_PROBABILITY, RESERVE
 from telespring.decision.usable import LONGEST_USUAL_DELAY, STIFFEST_USUAL, recommended_stiffness
 from telespring.decision.varying_delay import VaryingDelay
 from telespring.show.quantities import format_number, format_stiffness, format_time

@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from telespring._core import RESERVE, is_stable
 from telespring._json import finite_or_none
 from telespring.decision.arm_stability import arm_stability
 from telespring.decision.decide import decide
-from telespring.decision.question import Question, is_stable
-from telespring.decision.reserve import RESERVE
+from telespring.decision.question import Question
 from telespring.model import Study
 from telespring.rehearsal.traces import read_traces
 from telespring.show.decision_json import arm_stability_json, varying_json
