@@ -112,7 +112,7 @@ class Answer:
     def _is_unjudged(self) -> bool:
         """Whether something about the study is not judged, so that nothing is proven."""
         found = self.decision or (self.limits.delays[0] if self.limits is not None else None)
-        return found is not None and found.ages is not None and bool(found.ages.unjudged)
+        return found is not None and bool(found.question.unjudged)
 
     def to_dict(self) -> dict[str, Any]:
         """Return what `telespring decide --json` prints, in SI units."""

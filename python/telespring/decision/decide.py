@@ -18,7 +18,7 @@ from telespring.decision.question import Question, are_axes_independent, constan
 from telespring.decision.uncertainty import MarginUncertainty, RobotUncertainty, margin_uncertainty
 from telespring.decision.usable import RobotErrors
 from telespring.decision.varying_delay import VaryingDelay, limit_with_errors
-from telespring.model import DyadAxis, JudgedNetwork, Network
+from telespring.model import DyadAxis
 from telespring.theory.criteria import Crossing, decay_stiffness
 from telespring.theory.verdicts import AxisVerdict, OperatorPoint, Tier, Verdicts
 
@@ -208,8 +208,8 @@ class Decision:
     def status(self) -> Status:
         """The answer in one word: "stable", "marginal", "unstable" or "not proven".
 
-        A playout buffer that nobody promised does not count. Where something is not judged (`ages.unjudged`),
-        nothing is proven.
+        A playout buffer that nobody promised does not count. Where something is not judged
+        (`question.unjudged`), nothing is proven.
         """
         return self.answer.status
 
@@ -290,16 +290,6 @@ class Decision:
         return self.question.has_playout_buffer
 
     @property
-    def ages(self) -> JudgedNetwork | None:
-        """What the study's network and session make of the ages in use; None without a study."""
-        return self.question.ages
-
-    @property
-    def stated(self) -> Network | None:
-        """The network as the study states it; None without a study."""
-        return self.question.stated
-
-    @property
     def stiffness(self) -> float:
         """The stiffness in question, N/m."""
         return self.verdicts.stiffness
@@ -307,7 +297,7 @@ class Decision:
     @property
     def delay(self) -> tuple[float, float]:
         """Forward and backward one-way delay of the network, s, as stated."""
-        return (self.stated or self.verdicts.network).delay
+        return self.question.network_as_stated.delay
 
     @property
     def constant_delay(self) -> tuple[float, float]:

@@ -20,7 +20,6 @@ from telespring.decision.usable import (
     recommended_stiffness,
 )
 from telespring.decision.varying_delay import VaryingDelay, usable_delay_while_varying, varying_delay
-from telespring.model import JudgedNetwork, Network
 from telespring.theory.verdicts import Verdicts
 
 if TYPE_CHECKING:
@@ -66,19 +65,9 @@ class DelayLimits:
     varying: VaryingDelay | None = None
 
     @property
-    def ages(self) -> JudgedNetwork | None:
-        """What the study's network and session make of the ages in use; None without a study."""
-        return self.question.ages
-
-    @property
-    def stated(self) -> Network | None:
-        """The network as the study states it; None without a study."""
-        return self.question.stated
-
-    @property
     def delay(self) -> tuple[float, float]:
         """Forward and backward one-way delay of the network, s, as stated."""
-        return (self.stated or self.verdicts.network).delay
+        return self.question.network_as_stated.delay
 
     @property
     def constant_delay(self) -> tuple[float, float]:

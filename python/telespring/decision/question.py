@@ -155,6 +155,11 @@ class Question:
         return self.core.is_as_stated
 
     @property
+    def network_as_stated(self) -> Network:
+        """The network as the study states it; without a study the one in question."""
+        return self.network if self.stated is None else self.stated
+
+    @property
     def unjudged(self) -> tuple[str, ...]:
         """What no verdict judges; if there is any, nothing is proven."""
         return () if self.ages is None else self.ages.unjudged

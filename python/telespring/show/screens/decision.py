@@ -54,7 +54,7 @@ def decision_screen(
 
 
 def _question(decision: Decision, heading: Sequence[str], notes: Sequence[str]) -> Text:
-    network = decision.stated or decision.verdicts.network
+    network = decision.question.network_as_stated
     asked = f"{format_number(decision.stiffness, 6)} N/m over {network_clause(network)}, "
     text = Text("\n".join([*heading, asked + sampling_clause(network.sample_period)]), style="bold")
     for note in notes:

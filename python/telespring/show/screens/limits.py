@@ -55,7 +55,7 @@ def limits_screen(
     `heading` names the study and its robots, `held` says what holds the handles (empty if they are free), and
     `notes` say how the question was understood.
     """
-    network = found.delays[0].stated or found.delays[0].verdicts.network
+    network = found.delays[0].question.network_as_stated
     sampling = sampling_clause(network.sample_period)
     if found.is_delay_given:
         asked = f"{network_clause(network)}, {sampling}"
@@ -98,10 +98,10 @@ def _usable(found: Limits, held: str) -> list[Text]:
             without = None if row.varying is None else _usable_while_varying(row.varying, kept)
         else:
             continue
-        if row.ages is not None and row.ages.unjudged:
+        if row.question.unjudged:
             lines += answers_by_buffer(name, _NOT_JUDGED, None, is_promised=True)
             continue
-        if without is not None and row.ages is not None and not row.ages.is_as_stated:
+        if without is not None and not row.question.is_as_stated:
             lines += answers_by_buffer(name, without, None, is_promised=True)
             continue
         lines += answers_by_buffer(
@@ -243,8 +243,7 @@ def _delay_tables(found: Limits) -> list[RenderableType]:
     varies = found.delays[0].varying is not None
     if found.free is None:
         return [_delay_table(found)]
-    ages = found.delays[0].ages
-    if not varies or found.has_playout_buffer or not (ages is None or ages.is_as_stated):
+    if not varies or found.has_playout_buffer or not found.delays[0].question.is_as_stated:
         return [_hand_table(found.free, found, "", is_buffered=True)]
     return [
         _hand_table(found.free, found, "Without a playout buffer", is_buffered=False),
@@ -253,9 +252,9 @@ def _delay_tables(found: Limits) -> list[RenderableType]:
 
 
 def _usable_of(row: DelayLimits, *, is_buffered: bool) -> float:
-    if row.ages is not None and row.ages.unjudged:
+    if row.question.unjudged:
         return 0.0
-    is_buffered = is_buffered and (row.ages is None or row.ages.is_as_stated)
+    is_buffered = is_buffered and row.question.is_as_stated
     return row.usable_stiffness if is_buffered or row.varying is None else row.varying.usable_stiffness
 
 
@@ -284,7 +283,7 @@ def _hand_table(free: Limits, held: Limits, title: str, *, is_buffered: bool) ->
 def _delay_table(found: Limits) -> Fitting:
     first = found.delays[0]
     varies = first.varying is not None and not found.has_playout_buffer
-    has_choice = varies and (first.ages is None or first.ages.is_as_stated)
+    has_choice = varies and first.question.is_as_stated
     rows: list[tuple[str, ...]] = []
     for row in found.delays:
         usable = _usable_cell(_usable_of(row, is_buffered=True))

@@ -47,7 +47,7 @@ def answer_study(study: Study, modules: Path | None = None) -> dict[str, Any]:
         "varying_delay": varying_json(decision.varying),
         "is_as_stated": decision.is_as_stated,
         "is_judged": not question.unjudged,
-        "ages_notes": [*session_notes(study.session), *ages_notes(decision.ages, decision.stated)],
+        "ages_notes": [*session_notes(study.session), *ages_notes(question.ages, question.stated)],
         "sample_period": study.network.sample_period,
         "reserve": RESERVE,
         "stiffness_limit": finite_or_none(decision.stiffness_limit),
