@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from telespring.decision.arm_stability import ArmStability
     from telespring.study.robot_file import RobotRecord
 
-__all__ = ["AxisDecision", "Decision", "OperatorMargins", "decide"]
+__all__ = ["AxisDecision", "Decision", "OperatorMargins", "decide", "decide_case"]
 
 
 @dataclass(frozen=True)
@@ -416,11 +416,26 @@ def decide(
     >>> [decide(question, k).status for k in (71.2, 97.0, 110.0)]
     ['stable', 'marginal', 'unstable']
     """
-    decision = _judge(question, stiffness, horizon, decay_rate, uncertainty, records, attack_seed)
+    decision = decide_case(
+        question,
+        stiffness,
+        horizon=horizon,
+        decay_rate=decay_rate,
+        uncertainty=uncertainty,
+        records=records,
+        attack_seed=attack_seed,
+    )
     cases = [question]
     if compare_free and question.is_held:
         cases.append(question.released())
-        free = _judge(cases[1], stiffness, decision.horizon, None, uncertainty, records, attack_seed)
+        free = decide_case(
+            cases[1],
+            stiffness,
+            horizon=decision.horizon,
+            uncertainty=uncertainty,
+            records=records,
+            attack_seed=attack_seed,
+        )
         decision = replace(decision, free=free)
     errors = RobotErrors.of(uncertainty, records)
     answers = [each for each in (decision, decision.free) if each is not None]
@@ -431,16 +446,20 @@ def decide(
     return replace(decision, changes=find_changes(cases, stiffness, errors))
 
 
-def _judge(
+def decide_case(
     question: Question,
     stiffness: float,
-    horizon: float | None,
-    decay_rate: float | None,
-    uncertainty: tuple[RobotUncertainty | None, RobotUncertainty | None],
-    records: tuple[RobotRecord | None, RobotRecord | None],
-    attack_seed: int | None,
+    *,
+    horizon: float | None = None,
+    decay_rate: float | None = None,
+    uncertainty: tuple[RobotUncertainty | None, RobotUncertainty | None] = (None, None),
+    records: tuple[RobotRecord | None, RobotRecord | None] = (None, None),
+    attack_seed: int | None = None,
 ) -> Decision:
-    """Judge a stiffness for one way of holding the handles."""
+    """Judge a stiffness for one way of holding the handles, without what to change, which takes longest.
+
+    Everything is as for `decide`.
+    """
     # Without jitter and gaps nothing varies that could attack.
     seed = None if question.network.is_constant or not question.is_bounded else attack_seed
     # Checks every value before anything is derived from it.
