@@ -107,6 +107,8 @@ lint: $(STAMPS)/test ## check formatting, warnings, types and imports between ro
 	$(PYTHON_IN_VENV) -m ruff check .
 	$(PYTHON_IN_VENV) -m ruff format --check .
 	$(PYTHON_IN_VENV) -m mypy
+	# what only other systems have, or lack
+	$(PYTHON_IN_VENV) -m mypy --platform win32 --no-warn-unreachable --cache-dir .mypy_cache/win32 python/telespring
 	PYTHONPATH=python $(VENV)/bin/lint-imports --no-cache --no-logo
 	$(PYTHON_IN_VENV) tools/check_imports.py
 

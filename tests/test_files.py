@@ -1,5 +1,8 @@
 """A file is whole or absent, whatever happens while it is written."""
 
+import errno
+import os
+import sys
 from pathlib import Path
 
 import h5py
@@ -91,3 +94,16 @@ def test_law_trouble_with_another_file_keeps_its_name(tmp_path: Path) -> None:
 
 def test_law_the_longest_name_that_a_folder_takes_is_taken(tmp_path: Path) -> None:
     assert write_whole(tmp_path / ("n" * 251 + ".txt"), "x").read_text() == "x"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows does this itself")
+def test_law_only_what_may_be_written_is_flushed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Windows refuses to flush a file that was opened to be read."""
+    import fcntl
+
+    def flushed(handle: int) -> None:
+        if fcntl.fcntl(handle, fcntl.F_GETFL) & os.O_ACCMODE == os.O_RDONLY:
+            raise OSError(errno.EBADF, os.strerror(errno.EBADF))
+
+    monkeypatch.setattr(os, "fsync", flushed)
+    assert write_whole(tmp_path / "note.txt", "whole").read_text() == "whole"

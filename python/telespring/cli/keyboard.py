@@ -118,7 +118,7 @@ def keyboard(*, wants_keys: bool) -> Iterator[Keyboard]:
     except (AttributeError, OSError, ValueError):
         yield Keyboard(None, has_keys=False)
         return
-    if not (is_terminal and wants_keys):
+    if sys.platform == "win32" or not (is_terminal and wants_keys):
         yield Keyboard(file, has_keys=False)
         return
     import termios

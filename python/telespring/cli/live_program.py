@@ -20,7 +20,9 @@ def leaving(running: RunningProgram) -> Iterator[None]:
     def leave(*_: object) -> None:
         running.leave()
 
-    signals = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    signals = [signal.SIGINT, signal.SIGTERM]
+    if sys.platform != "win32":  # which has no such end of a terminal
+        signals.append(signal.SIGHUP)
     before: list[tuple[signal.Signals, Any]] = []
     try:
         before.extend((each, signal.signal(each, leave)) for each in signals)

@@ -7,6 +7,7 @@ import os
 import select
 import signal
 import subprocess
+import sys
 import time
 from collections import deque
 from collections.abc import Sequence
@@ -53,7 +54,8 @@ class RunningProgram:
         self._open = {stdout.fileno(): bytearray(), stderr.fileno(): bytearray()}
         self._stdout = stdout.fileno()
         assert self._process.stdin is not None
-        os.set_blocking(self._process.stdin.fileno(), False)
+        if sys.platform != "win32":  # where no live program runs
+            os.set_blocking(self._process.stdin.fileno(), False)
         self._unheard = bytearray()
         self._complaints: deque[str] = deque(maxlen=_COMPLAINTS)
         self._asked: float | None = None

@@ -292,9 +292,8 @@ def remove_rehearsal(folder: str | os.PathLike[str]) -> None:
 def thread_count(workers: int | None) -> int:
     """Return how many trials run at the same time: by default as many as there are cores."""
     if workers is None:
-        with suppress(AttributeError):  # only some systems can limit a process to some cores
-            return len(os.sched_getaffinity(0))
-        return os.cpu_count() or 1
+        # only some systems can limit a process to some cores
+        return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     if workers < 1:
         raise InvalidInput(
             "workers", str(workers), "a whole number of 1 or more is required", "Omit it to use all cores."

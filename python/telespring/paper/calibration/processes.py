@@ -15,6 +15,8 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Self, TypeVar
 
+from telespring.rehearsal.run import thread_count
+
 __all__ = ["Processes"]
 
 Item = TypeVar("Item")
@@ -81,7 +83,7 @@ class Processes:
 
         The function is a module's, and it, items and results can be pickled.
         """
-        unused = self._processes(min(_processors(), len(items)))
+        unused = self._processes(min(thread_count(None), len(items)))
         own = threading.local()
 
         def take_process() -> None:
@@ -115,10 +117,6 @@ class Processes:
             while len(self._started) < count:
                 self._started.append(_start())
             return self._started[:count]
-
-
-def _processors() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _start() -> subprocess.Popen[bytes]:
