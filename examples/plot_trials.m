@@ -16,18 +16,19 @@ axes_names = 'xy';
 has_force = isfield(trial.robot, 'coupling_force');
 screen = figure('Visible', 'off');
 for i = 1:2
-    subplot(2 + has_force, 1, i);
+    panel(i, 2 + has_force);
     plot(trial.time, 1000 * trial.target(:, i), 'k:', ...
          trial.time, 1000 * trial.robot(1).position(:, i), 'b-', ...
          trial.time, 1000 * trial.robot(2).position(:, i), 'r--');
     ylabel(sprintf('%s, mm', axes_names(i)));
     if i == 1
-        title(sprintf('%s, trial %s', trial.condition, trial.number), 'Interpreter', 'none');
-        legend('target', 'robot 1', 'robot 2', 'Location', 'southwest');
+        % A legend would hide the motion, or narrow this panel only.
+        title(sprintf('%s, trial %s: target dotted, robot 1 solid, robot 2 dashed', ...
+                      trial.condition, trial.number), 'Interpreter', 'none');
     end
 end
 if has_force
-    subplot(3, 1, 3);
+    panel(3, 3);
     force = trial.robot(1).coupling_force;
     plot(trial.time, sqrt(sum(force .^ 2, 2)), 'b-');
     ylabel('spring, N');
@@ -44,4 +45,10 @@ for r = 1:2
     distance = sqrt(sum((trial.robot(r).position - trial.target) .^ 2, 2));
     tracking_error(r) = mean(distance(~isnan(distance)));
 end
+end
+
+function panel(place, count)
+% Open a panel of several, below each other, with room for the title above.
+band = 0.82 / count;
+subplot('Position', [0.13, 0.11 + (count - place) * band, 0.77, 0.7 * band]);
 end

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.io import loadmat
 from typer.testing import CliRunner
 
 import telespring as ts
@@ -231,3 +232,18 @@ def test_law_merge_and_replay_say_what_they_lack(tmp_path: Path) -> None:
         ts.merge_recordings(path, path)
     with pytest.raises(ts.InvalidInput, match="needs the packets"):
         ts.replay(path)
+
+
+def test_law_an_export_claims_no_bound(tmp_path: Path) -> None:
+    path = write_xdf(tmp_path / "session.xdf", [stream(1), stream(2, scatter=2e-4)])
+    recording = ts.read_recording(path)
+    assert recording.clock is not None
+    export = ts.export_bids(recording, tmp_path / "bids")
+    [scans] = sorted(export.folder.glob("sub-robot1/ses-01/*_scans.tsv"))
+    names, values = (line.split("\t") for line in scans.read_text("utf-8").splitlines())
+    row = dict(zip(names, values, strict=True))
+    assert row["clock_uncertainty"] == "n/a"
+    assert float(row["clock_scatter"]) == pytest.approx(recording.clock.uncertainty)
+    session = loadmat(ts.export_mat(recording, tmp_path / "s.mat"), simplify_cells=True)["session"]
+    assert math.isnan(session["clock_uncertainty"])
+    assert session["clock_scatter"] == pytest.approx(recording.clock.uncertainty)

@@ -18,6 +18,7 @@ from telespring.exchange.material import (
     Material,
     Session,
     Trial,
+    clock_accuracy,
     code_words,
     export_place,
     open_material,
@@ -184,7 +185,7 @@ def _column(values: Any) -> NDArray[np.float64]:
 
 def _session(session: Session) -> dict[str, Any]:
     recording = session.recording
-    clock = recording.clock
+    uncertainty, scatter = clock_accuracy(recording)
     return {
         "time": _column(session.data["time"]),
         "target": np.asarray(session.data["target"], dtype=np.float64),
@@ -198,8 +199,9 @@ def _session(session: Session) -> dict[str, Any]:
         "status": recording.status,
         "whole_until": recording.whole_until,
         "missed": float(recording.missed),
-        "clock_uncertainty": math.nan if clock is None else clock.uncertainty,
-        "clock_drift": math.nan if clock is None else clock.drift,
+        "clock_uncertainty": uncertainty,
+        "clock_scatter": scatter,
+        "clock_drift": math.nan if recording.clock is None else recording.clock.drift,
     }
 
 

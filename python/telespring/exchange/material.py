@@ -26,6 +26,7 @@ __all__ = [
     "Material",
     "Session",
     "Trial",
+    "clock_accuracy",
     "code_words",
     "export_place",
     "open_material",
@@ -234,6 +235,18 @@ def _sample_count(data: xr.Dataset) -> int:
         return int(data["samples"])
     known = np.flatnonzero(np.isfinite(np.asarray(data["position"])).any(axis=(1, 2)))
     return int(known[-1]) + 1 if known.size else data.sizes["time"]
+
+
+def clock_accuracy(recording: SessionRecording) -> tuple[float, float]:
+    """Return the largest error of both sites' common time, and the scatter that is all an XDF file has of it.
+
+    Both in s; NaN is not known. 0 where one clock stamped everything.
+    """
+    clock = recording.clock
+    if clock is None:
+        return 0.0 if len(recording.sides) == 1 else math.nan, math.nan
+    is_bounded = not any(stream.clock.time.size for stream in recording.streams.values())
+    return (clock.uncertainty, math.nan) if is_bounded else (math.nan, clock.uncertainty)
 
 
 def robot_signals(*datasets: xr.Dataset) -> list[str]:

@@ -183,7 +183,8 @@ class SessionRecording:
         -------
         xarray.Dataset
             The signals, and what happened over `event`. Attributes: `status`, `whole_until` (s), `missed`,
-            and with both sites `clock_uncertainty` (s), the largest error of their common time.
+            and with both sites `clock_uncertainty` (s), the largest error of their common time
+            (of an XDF file how much its clock offsets scatter, which is no bound).
         """
         period = self.sample_period
         if rate is not None:

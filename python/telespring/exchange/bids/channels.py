@@ -9,14 +9,19 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from telespring.exchange.bids.runs import mean_period
 from telespring.exchange.material import code_words, robot_signals, signal_values
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Channel", "channels"]
+__all__ = ["KINDS", "Channel", "channels"]
 
-Kind = Literal["POS", "VEL", "MISC"]
+Kind = Literal["POS", "VEL", "MISC", "LATENCY"]
+#: In this order they stand in a file.
+KINDS: tuple[Kind, ...] = ("POS", "VEL", "MISC", "LATENCY")
+#: Samples that stray from an even clock by more than this share of a period have their times beside them.
+_UNEVEN = 0.01
 #: Signals that are motion, and of what; all others are of no kind that BIDS knows.
 _MOTION: dict[str, tuple[Kind, str]] = {
     "position": ("POS", "handle"),
@@ -42,12 +47,23 @@ class Channel:
 
 
 def channels(data: xr.Dataset, robot: int) -> list[Channel]:
-    """Return the channels of one robot (0 or 1): motion first, in the order of the dataset."""
+    """Return the channels of one robot (0 or 1) in a run: motion first, in the order of the dataset."""
     found = [channel for name in robot_signals(data) for channel in _of_signal(data, name, robot)]
     if not any(channel.name.startswith("own_target") for channel in found):
         found += _split("target", np.asarray(data["target"], dtype=np.float64), data["target"])
     known = [channel for channel in found if np.isfinite(channel.values).any()]
-    return sorted(known, key=lambda channel: ("POS", "VEL", "MISC").index(channel.kind))
+    known = sorted(known, key=lambda channel: KINDS.index(channel.kind))
+    return known + _latency(np.asarray(data["time"], dtype=np.float64))
+
+
+def _latency(time: NDArray[np.float64]) -> list[Channel]:
+    """Return the channel that says when each sample was taken, where their number alone does not."""
+    period = mean_period(time)
+    strays = np.abs(time - time[0] - period * np.arange(len(time)))
+    if len(time) < 2 or strays.max() <= _UNEVEN * period:
+        return []
+    description = "time of the sample since the first one; they are not evenly spaced"
+    return [Channel("latency", "n/a", "LATENCY", "n/a", "s", description, time - time[0])]
 
 
 def _of_signal(data: xr.Dataset, name: str, robot: int) -> Iterator[Channel]:

@@ -18,7 +18,15 @@ from telespring.exchange.bids import sidecars
 from telespring.exchange.bids.channels import channels
 from telespring.exchange.bids.labels import bids_label, check_distinct
 from telespring.exchange.bids.runs import Run, material_runs
-from telespring.exchange.bids.tables import cell, read_table, write_json, write_samples, write_table
+from telespring.exchange.bids.tables import (
+    append_rows,
+    cell,
+    read_json,
+    read_table,
+    write_json,
+    write_samples,
+    write_table,
+)
 from telespring.exchange.material import Material, export_place, open_material
 
 if TYPE_CHECKING:
@@ -88,7 +96,7 @@ def export_bids(
     source : SessionRecording, xarray.Dataset, str or path
         A rehearsal or recorded trials (path or dataset), or a live session (path or recording).
     folder : str or path
-        The dataset. If there is one, the session is added to it.
+        The dataset. If there is one, the session is added to it, also to what other devices recorded in it.
     participants : sequence of str, optional
         Labels of who held robots 1 and 2. Default: the markers of a session, else the dyad and the robot.
     session : str, optional
@@ -108,8 +116,8 @@ def export_bids(
     Raises
     ------
     telespring.InvalidInput
-        If the source has nothing to export, a label has no letter or digit, or a person has this session
-        already: nothing is replaced.
+        If the source has nothing to export, a label has no letter or digit, or a person has motion of this
+        session already: nothing is replaced.
     OSError
         If a file cannot be read or written.
 
@@ -132,6 +140,7 @@ def export_bids(
     check_distinct(run.people for run in runs)
     labels = tuple(dict.fromkeys(run.people[i] for run in runs for i in run.robots))
     _check_new(place, labels, session)
+    listed = _people_listed(place, labels)
     place.mkdir(parents=True, exist_ok=True)
     shift = _date_shift(runs) if hide_date else timedelta(0)
     beside = Path(tempfile.mkdtemp(prefix=".unfinished-", dir=place))
@@ -142,18 +151,14 @@ def export_bids(
             for run in runs
             for robot in run.robots
         ]
-        for person in persons.values():
-            stem = f"sub-{person.label}_ses-{session}_scans"
-            inside = beside / f"sub-{person.label}" / f"ses-{session}"
-            write_table(inside / f"{stem}.tsv", _SCAN_COLUMNS, person.scans)
-            write_json(inside / f"{stem}.json", sidecars.SCANS)
-        for label in labels:
-            inside = Path(f"sub-{label}") / f"ses-{session}"
-            (place / inside).parent.mkdir(exist_ok=True)
-            (beside / inside).rename(place / inside)
+        insides = [Path(f"sub-{label}") / f"ses-{session}" for label in labels]
+        for person, inside in zip(persons.values(), insides, strict=True):
+            _write_scans(beside / inside, place / inside, f"sub-{person.label}_ses-{session}_scans", person)
+        for inside in insides:
+            _move_session(beside / inside, place / inside)
     finally:
         shutil.rmtree(beside, ignore_errors=True)
-    _write_dataset_files(place, labels, is_simulated=material.is_simulated)
+    _write_dataset_files(place, listed, is_simulated=material.is_simulated)
     present = {robot for run in runs for robot in run.robots}
     return BidsExport(
         folder=place,
@@ -181,12 +186,12 @@ def _people(participants: Sequence[str] | None) -> tuple[str, str] | None:
 def _check_new(folder: Path, labels: Sequence[str], session: str) -> None:
     """Refuse a session that is there, and a folder of other things."""
     for label in labels:
-        there = folder / f"sub-{label}" / f"ses-{session}"
+        there = folder / f"sub-{label}" / f"ses-{session}" / "motion"
         if there.exists():
             raise InvalidInput(
                 "session",
                 session,
-                f"sub-{label} has this session already, and nothing is replaced ({there})",
+                f"sub-{label} has motion of this session already, and nothing is replaced ({there})",
                 "Choose another label (--session, in Python session=), or another folder.",
             )
     if folder.is_dir() and any(folder.iterdir()) and not (folder / "dataset_description.json").is_file():
@@ -196,6 +201,23 @@ def _check_new(folder: Path, labels: Sequence[str], session: str) -> None:
             "an empty or new folder, or a BIDS dataset is required: dataset_description.json is not there",
             "Choose another folder.",
         )
+
+
+def _write_scans(beside: Path, there: Path, stem: str, person: _Person) -> None:
+    """Write a person's list of recordings, behind those of other devices in the same session."""
+    table, described = there / f"{stem}.tsv", there / f"{stem}.json"
+    old = read_table(table) if table.is_file() else ([], [])
+    write_table(beside / table.name, *append_rows(old, _SCAN_COLUMNS, person.scans))
+    known = read_json(described) if described.is_file() else {}
+    write_json(beside / described.name, sidecars.SCANS | known)
+
+
+def _move_session(beside: Path, there: Path) -> None:
+    """Move a session to where it belongs: the folder of its motion, then the lists of its recordings."""
+    there.mkdir(parents=True, exist_ok=True)
+    (beside / "motion").rename(there / "motion")
+    for file in beside.iterdir():
+        file.replace(there / file.name)
 
 
 def _write_run(
@@ -262,6 +284,7 @@ def _write_run(
             run.dyad,
             robot + 1,
             run.clock_uncertainty,
+            run.clock_scatter,
             "true" if material.is_simulated else "false",
         ]
     )
@@ -291,15 +314,25 @@ def _date_shift(runs: Sequence[Run]) -> timedelta:
     return timedelta(days=(_HIDDEN.date() - _moment(min(dates)).date()).days) if dates else timedelta(0)
 
 
-def _write_dataset_files(folder: Path, labels: Sequence[str], *, is_simulated: bool) -> None:
+def _people_listed(folder: Path, labels: Sequence[str]) -> tuple[list[str], list[list[str]]]:
+    """Return the table of participants with those who are new; a first one lists everybody who is there."""
+    table = folder / "participants.tsv"
+    names, rows = read_table(table) if table.is_file() else ([], [])
+    people = [f"sub-{label}" for label in labels]
+    if not table.is_file():
+        people = sorted({*people, *(path.name for path in folder.glob("sub-*") if path.is_dir())})
+    known = {row[0] for row in rows}
+    return append_rows((names, rows), ["participant_id"], [[each] for each in people if each not in known])
+
+
+def _write_dataset_files(
+    folder: Path, people: tuple[list[str], list[list[str]]], *, is_simulated: bool
+) -> None:
     """Write what a dataset has once; of what is there only the list of people grows."""
     description = folder / "dataset_description.json"
-    table = folder / "participants.tsv"
-    names, rows = read_table(table) if table.is_file() else (["participant_id"], [])
-    known = {row[0] for row in rows}
-    rows += [[f"sub-{label}", *["n/a"] * (len(names) - 1)] for label in labels if f"sub-{label}" not in known]
+    names, rows = people
     lines = ["\t".join(names), *("\t".join(map(cell, row)) for row in rows)]
-    write_whole(table, "\n".join(lines) + "\n")
+    write_whole(folder / "participants.tsv", "\n".join(lines) + "\n")
     if not (folder / "participants.json").exists():
         write_json(folder / "participants.json", sidecars.PARTICIPANTS)
     if not any((folder / f"README{ending}").exists() for ending in ("", ".md", ".rst", ".txt")):

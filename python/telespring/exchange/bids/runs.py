@@ -8,16 +8,18 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from telespring._errors import InvalidInput
 from telespring.exchange.bids.labels import bids_label
-from telespring.exchange.material import Material, Session, Trial
+from telespring.exchange.material import Material, Session, Trial, clock_accuracy
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from telespring.recording import MarkedTrial
+    from telespring.recording import MarkedTrial, SessionRecording
 
-__all__ = ["BidsEvent", "Run", "material_runs"]
+__all__ = ["BidsEvent", "Run", "material_runs", "mean_period"]
 
 
 @dataclass(frozen=True)
@@ -72,9 +74,11 @@ class Run:
     date
         Of the first sample, ns since 1970; None if it is not known.
     rates
-        Samples per second that each robot's site really took, Hz.
+        Ticks per second of each robot's site, Hz; NaN where the samples themselves are all that is known.
     clock_uncertainty
         s; 0 where one clock stamped both, NaN where it is not known.
+    clock_scatter
+        s; of the comparisons of both clocks, where no bound of their error is known; NaN otherwise.
     """
 
     data: xr.Dataset
@@ -87,18 +91,23 @@ class Run:
     date: int | None
     rates: tuple[float, float]
     clock_uncertainty: float
+    clock_scatter: float = math.nan
 
     @property
     def period(self) -> float:
-        """The time between two samples, s."""
-        time = np.asarray(self.data["time"])
-        return float(np.median(np.diff(time))) if len(time) > 1 else math.nan
+        """The mean time between two samples, s."""
+        return mean_period(np.asarray(self.data["time"]))
 
     @property
     def duration(self) -> float:
         """From the first sample to one period after the last, s."""
         time = np.asarray(self.data["time"])
         return float(time[-1] - time[0]) + self.period
+
+
+def mean_period(time: NDArray[np.float64]) -> float:
+    """Return the mean time between two samples, s; NaN of a single one."""
+    return float(time[-1] - time[0]) / (len(time) - 1) if len(time) > 1 else math.nan
 
 
 def material_runs(material: Material, people: tuple[str, str] | None) -> list[Run]:
@@ -116,7 +125,6 @@ def material_runs(material: Material, people: tuple[str, str] | None) -> list[Ru
         acquisition = acquisitions[trial.condition]
         number = counts[labels, acquisition] = counts.get((labels, acquisition), 0) + 1
         time = np.asarray(trial.data["time"])
-        rate = 1.0 / float(np.median(np.diff(time))) if len(time) > 1 else math.nan
         runs.append(
             Run(
                 data=trial.data.assign_coords(time=time - time[0]),
@@ -127,7 +135,7 @@ def material_runs(material: Material, people: tuple[str, str] | None) -> list[Ru
                 dyad=_dyad_label(trial.dyad, labels),
                 events=(_trial_event(trial, 0.0),),
                 date=None,
-                rates=(rate, rate),
+                rates=(math.nan, math.nan),
                 clock_uncertainty=0.0,
             )
         )
@@ -172,13 +180,14 @@ def _trial_event(trial: Trial, onset: float) -> BidsEvent:
 def _session_runs(session: Session, trials: Sequence[Trial], people: tuple[str, str] | None) -> list[Run]:
     """Split a session where other people take over: a run of its own for each stay of a pair."""
     time = np.asarray(session.data["time"])
-    spans = _stays(session.marked, people, float(time[-1]))
     recording = session.recording
+    spans = _stays(session.marked, people, float(time[-1]), _changed(recording))
     rates = [math.nan, math.nan]
     for number, side in recording.sides.items():
         if len(side.time) > 1:
             rates[number - 1] = 1e9 * (len(side.time) - 1) / float(side.time[-1] - side.time[0])
     sources = np.asarray(session.data["source"])
+    uncertainty, scatter = clock_accuracy(recording)
     counts: dict[tuple[str, str], int] = {}
     runs = []
     for labels, begin, end in spans:
@@ -192,10 +201,6 @@ def _session_runs(session: Session, trials: Sequence[Trial], people: tuple[str, 
             for event in recording.events
             if begin <= event.time <= end
         ]
-        if recording.clock is not None:
-            uncertainty = recording.clock.uncertainty
-        else:
-            uncertainty = 0.0 if len(recording.sides) == 1 else math.nan
         runs.append(
             Run(
                 data=data.assign_coords(time=np.asarray(data["time"]) - zero),
@@ -208,15 +213,38 @@ def _session_runs(session: Session, trials: Sequence[Trial], people: tuple[str, 
                 date=None if session.date is None else session.date + round(1e9 * zero),
                 rates=(rates[0], rates[1]),
                 clock_uncertainty=uncertainty,
+                clock_scatter=scatter,
             )
         )
     return runs
 
 
+def _changed(recording: SessionRecording) -> str:
+    """Name the people of a robot for which the markers name several; "" if there is none."""
+    for robot in (1, 2):
+        named: dict[str, str] = {}
+        for _, side, kind, text in sorted(recording.marks()):
+            if kind == "participant" and side == robot:
+                named.setdefault("".join(filter(str.isalnum, text)), text)
+        if len(named) > 1:
+            return f"{' and '.join(named.values())} at robot {robot}"
+    return ""
+
+
 def _stays(
-    marked: Sequence[MarkedTrial], people: tuple[str, str] | None, end: float
+    marked: Sequence[MarkedTrial], people: tuple[str, str] | None, end: float, changed: str
 ) -> list[tuple[tuple[str, str], float, float]]:
-    """Return each pair of people with the time in which it was at the robots; all of it if there is one."""
+    """Return each pair of people with the time in which it was at the robots; all of it if there is one.
+
+    Of others, whom `changed` names, nothing goes to that one.
+    """
+    if changed and people is None and not any(trial.is_marked for trial in marked):
+        raise InvalidInput(
+            "participants",
+            changed,
+            "a session of two people, or markers of trials, are required: only those say whose motion it is",
+            "Name the two people of the whole session, as in --participants P01,P02.",
+        )
     stays: list[tuple[tuple[str, str], float, float]] = []
     for trial in marked:
         labels = _people_of_trial(trial.participants, people)
@@ -224,7 +252,7 @@ def _stays(
             stays[-1] = labels, stays[-1][1], trial.end
         else:
             stays.append((labels, trial.begin, trial.end))
-    if len(stays) < 2:
+    if len(stays) < 2 and (people is not None or not changed):
         labels = stays[0][0] if stays else people or _people_of_dyad("")
         return [(labels, 0.0, end)]
     return stays

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
 from telespring._core import __version__
-from telespring._json import finite_or_none
-from telespring.exchange.bids.channels import Channel
+from telespring.exchange.bids.channels import KINDS, Channel
 from telespring.exchange.bids.runs import Run
 
 __all__ = [
@@ -22,7 +22,7 @@ __all__ = [
 ]
 
 #: The version of the specification that the files follow.
-BIDS_VERSION = "1.10.0"
+BIDS_VERSION = "1.11.1"
 
 README = """\
 Two people, each at a robot, coupled by a virtual spring; recorded together. Written by telespring.
@@ -47,6 +47,10 @@ SCANS: dict[str, Any] = {
     "robot": {"Description": "the robot of the study that the person held, 1 or 2"},
     "clock_uncertainty": {
         "Description": "largest error of the common time of both people; 0 where one clock stamped both",
+        "Units": "s",
+    },
+    "clock_scatter": {
+        "Description": "how much the comparisons of both clocks scatter, where no largest error is known",
         "Units": "s",
     },
     "simulated": {
@@ -96,13 +100,15 @@ def motion_sidecar(
     run: Run, robot: int, task: str, channels: Sequence[Channel], study: str
 ) -> dict[str, Any]:
     """Describe the motion of one robot (0 or 1) in a run."""
-    counts = {kind: sum(channel.kind == kind for channel in channels) for kind in ("POS", "VEL", "MISC")}
+    counts = {kind: sum(channel.kind == kind for channel in channels) for kind in KINDS}
     described = {
         "TaskName": task,
         "TaskDescription": "Two people move robots that a virtual spring couples over a network with delay.",
-        "SamplingFrequency": finite_or_none(1.0 / run.period) or "n/a",
-        "SamplingFrequencyEffective": finite_or_none(run.rates[robot]) or "n/a",
-        "RecordingDuration": run.duration,
+        # Both people's samples lie on one even clock. A tool that takes the effective frequency for the time
+        # of a line must find that clock, and not how often each site ticked.
+        "SamplingFrequency": _printed(1.0 / run.period),
+        "SamplingFrequencyEffective": _printed(1.0 / run.period),
+        "RecordingDuration": _printed(run.duration),
         "MotionChannelCount": counts["POS"] + counts["VEL"],
         "POSChannelCount": counts["POS"],
         "VELChannelCount": counts["VEL"],
@@ -111,7 +117,7 @@ def motion_sidecar(
         "ANGACCELChannelCount": 0,
         "GYROChannelCount": 0,
         "JNTANGChannelCount": 0,
-        "LATENCYChannelCount": 0,
+        "LATENCYChannelCount": counts["LATENCY"],
         "MAGNChannelCount": 0,
         "ORNTChannelCount": 0,
         "TrackedPointsCount": len({channel.tracked_point for channel in channels} - {"n/a"}),
@@ -120,6 +126,13 @@ def motion_sidecar(
         "SubjectArtefactDescription": "n/a",
         "SoftwareVersions": f"telespring {__version__}",
     }
+    if math.isfinite(run.rates[robot]):
+        described["TickFrequency"] = _printed(run.rates[robot])
     if study:
         described["Study"] = study
     return described
+
+
+def _printed(value: float) -> float | str:
+    """Return a number with the digits of the tables, without those that a division has left."""
+    return float(f"{value:.10g}") if math.isfinite(value) else "n/a"
