@@ -117,7 +117,18 @@ fn ref_messages_verbatim() {
         (
             with("stiffness = 20", "stiffness = 20\njitter = 0.01"),
             "coupling.jitter = 0.01: [coupling] has the keys stiffness, damping. It belongs under \
-             [network]. See line 10.",
+             [network] or [laboratory]. See line 10.",
+        ),
+        (
+            with("stiffness = 20", "stiffness = 20\ncoulomb = 0.1"),
+            "coupling.coulomb = 0.1: [coupling] has the keys stiffness, damping. It belongs under [robot1] or \
+             [robot2]. See line 10.",
+        ),
+        (
+            with("delay = 0.05", "delay = 0.05\nname = \"campus\""),
+            "network.name = \"campus\": [network] has the keys delay, jitter, max_gap, \
+             playout_buffer, distribution, loss, burst, duplicate, order, rate, blackout, trace, adversary. Remove it, \
+             or correct its name. See line 12.",
         ),
         (
             with("mass = [1.0, 2.0]", "mass = [1.0, 0.0]"),

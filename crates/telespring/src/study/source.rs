@@ -89,13 +89,17 @@ impl<'a> Source<'a> {
         refusal
     }
 
-    /// The error for an unknown key in the source: suggests its section, or else the nearest known key.
+    /// The error for an unknown key in the source: suggests its sections, or else the nearest known key.
     pub fn reject_unknown_key(&self, unknown: UnknownKey<'_>, value: &Spanned<DeValue<'_>>) -> InvalidInput {
         let UnknownKey { field, key, position, section, allowed, keys } = unknown;
-        let home = SECTIONS
+        let homes: Vec<String> = SECTIONS
             .iter()
-            .find(|(name, keys)| Some(*name) != section && keys.all().contains(&key) && key != "kind")
-            .map(|(name, _)| format!("It belongs under [{name}]."));
+            .filter(|(name, keys)| Some(*name) != section && keys.all().contains(&key))
+            .map(|(name, _)| format!("[{name}]"))
+            .collect();
+        // a key of many sections says nothing of where it belongs, nor does one that sections of all sorts have
+        let home = ((1..=4).contains(&homes.len()) && !["kind", "name"].contains(&key))
+            .then(|| format!("It belongs under {}.", homes.join(" or ")));
         let remedy = home
             .or_else(|| nearest_word(key, keys).map(|key| format!("Did you mean \"{key}\"?")))
             .unwrap_or_else(|| "Remove it, or correct its name.".to_owned());
