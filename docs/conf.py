@@ -47,6 +47,7 @@ page.write(GENERATED / "try-it.md", ROOT / "out" / "page" / "telespring.html")
 exclude_patterns = [
     "_build",
     "node_modules",
+    "_templates",
     "gallery",
     "_generated/misprints.md",  # a part of another page
     "**/sg_execution_times.rst",
@@ -60,6 +61,7 @@ myst_enable_extensions = ["dollarmath", "amsmath", "deflist", "colon_fence"]
 myst_heading_anchors = 4  # as on a page host: networks.md#files
 myst_dmath_double_inline = True
 
+templates_path = ["_templates"]  # the lists beside a page show names without the package's
 autosummary_generate = True
 autodoc_typehints = "none"  # numpydoc has the types in words
 numpydoc_show_class_members = False

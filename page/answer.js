@@ -2,7 +2,7 @@
 
 import { stiffness, time, unbounded } from "./numbers.js";
 import { html, svg } from "./svg.js";
-import { MEANING, TIERS, WORDS, isVarying, limits, marginSentence, notes, questionSentence, worseOf } from "./words.js";
+import { MEANING, TIERS, WORDS, delayName, isVarying, limits, marginSentence, notes, questionSentence, worseOf } from "./words.js";
 
 const SIGNS = {
   stable: "M24 4a20 20 0 1 0 0 40a20 20 0 1 0 0-40ZM14 24l7 8l14-16",
@@ -16,7 +16,11 @@ export function showAnswer(host, values, answer) {
   const decided = worseOf(answer);
   const { status } = decided;
   const sign = svg("svg", { viewBox: "0 0 48 48", class: "sign", "aria-hidden": "true" }, svg("path", { d: SIGNS[status] }));
-  const cases = answer.free && answer.free.status !== answer.status ? ` With the hands ${WORDS[answer.status].toLowerCase()}, with free handles ${WORDS[answer.free.status].toLowerCase()}.` : "";
+  const cases = !answer.free
+    ? ""
+    : answer.free.status !== answer.status
+      ? ` With the hands ${WORDS[answer.status].toLowerCase()}, with free handles ${WORDS[answer.free.status].toLowerCase()}.`
+      : " So it is with the hands and with free handles; the limits hold for both.";
   const at = limits(decided);
   const delay = decided.constant_delay.mean;
   host.dataset.status = status.replace(" ", "-");
@@ -24,19 +28,21 @@ export function showAnswer(host, values, answer) {
     html("div", { className: "word" }, sign, html("p", { className: "verdict", id: "verdict" }, WORDS[status])),
     html("p", { className: "asked" }, questionSentence(values)),
     html("p", { className: "meaning" }, MEANING[status] + cases),
-    html("p", { className: "margin", id: "margin" }, marginSentence(decided)),
+    html("p", { className: "margin", id: "margin" }, marginSentence(values, decided)),
     html(
       "div",
       { className: "meters" },
-      meter(isVarying(decided) ? "Stiffness, of what is proven" : "Stiffness, of the most at this delay", values.stiffness, at.stiffness, stiffness),
-      meter(decided.constant_delay.buffered ? "Delay behind the buffer, of the most" : "Delay, of the most at this stiffness", delay, at.delay, time),
+      meter(isVarying(decided) ? "Stiffness, of what is proven" : "Stiffness, of the most at this delay", values.stiffness, at.stiffness, stiffness, isVarying(decided) ? "no stiffness is proven" : "no stiffness is known to be stable"),
+      meter(`${sentenceCase(delayName(decided))}, of the most at this stiffness`, delay, at.delay, time, "no delay above 0 is stable"),
     ),
     ...notes(values).map((note) => html("p", { className: "note" }, note)),
   );
 }
 
-/** How much of a limit is used: a bar that is full at the limit. */
-function meter(label, value, limit, write) {
+const sentenceCase = (text) => text[0].toUpperCase() + text.slice(1);
+
+/** How much of a limit is used: a bar that is full at the limit; `none` says what a limit of 0 means. */
+function meter(label, value, limit, write, none) {
   const share = limit === 0 ? 2 : Number.isFinite(limit) ? value / limit : 0;
   const end = 0.8;
   const bar = svg(
@@ -46,7 +52,7 @@ function meter(label, value, limit, write) {
     svg("rect", { x: 0, y: 4, width: Math.min(share * end, 1) * 200, height: 6, rx: 3, class: "fill" }),
     svg("rect", { x: 200 * end - 1, y: 0, width: 2, height: 14, class: "end" }),
   );
-  const text = limit === 0 ? `${write(value)}; no limit is proven` : `${write(value)} of ${Number.isFinite(limit) ? write(limit, "down") : "no limit"}`;
+  const text = limit === 0 ? `${write(value)}; ${none}` : `${write(value)} of ${Number.isFinite(limit) ? write(limit, "down") : "no limit"}`;
   return html("div", { className: "meter" }, html("p", {}, html("span", {}, label), html("strong", {}, text)), bar);
 }
 

@@ -1,6 +1,6 @@
 // The controls: each value by a slider and by a number with its unit.
 
-import { clean, digits } from "./numbers.js";
+import { clean, digits, written } from "./numbers.js";
 import { areGripsAlike, areWaysAlike, gripsAlike, groups, waysAlike } from "./quantities.js";
 import { html } from "./svg.js";
 
@@ -22,44 +22,101 @@ function scaleOf({ from, isLog }, to) {
 /**
  * One value: `of` reads it from the study's values, `toml` writes it as a table of changes; shown is the value times
  * `factor`. Where the slider ends may depend on the values; where it ends at its start, the value cannot be changed.
+ *
+ * While the reader writes or slides, each change is one of the values from before: what else has to give way for a number
+ * that is half written comes back. `change` returns why a value is refused, if it is; what is refused when the reader is done
+ * leaves the study as it was.
  */
-function control(definition, change) {
+function control(definition, { change, refuse, settle }) {
   const { id, label, unit, factor = 1, hint } = definition;
   const endOf = (values) => (typeof definition.to === "function" ? definition.to(values) : definition.to);
   let scale = null;
-  const number = html("input", { type: "number", id, step: "any", min: "0", inputMode: "decimal" });
+  let current = null;
+  let before = null;
+  let refusal = "";
+  const number = html("input", { type: "text", id, inputMode: "decimal", autocomplete: "off", spellcheck: false });
   const slider = html("input", { type: "range", min: "0", max: String(STEPS), step: "1", "aria-label": `${label}, slider` });
+  const why = html("p", { className: "why", id: `${id}-why`, hidden: true });
   const hintId = `${id}-hint`;
-  if (hint) number.setAttribute("aria-describedby", hintId);
+  number.setAttribute("aria-describedby", hint ? `${why.id} ${hintId}` : why.id);
+  const write = () => (number.value = String(clean(definition.of(current) * factor)));
+  // rounded, it may be where it came from: set while the reader presses a key, no key would move it
+  const place = () => (slider.value = String(Math.round(scale.place(definition.of(current)) * STEPS)));
+  const tell = (text, isWrong) => {
+    why.textContent = text;
+    why.hidden = text === "";
+    if (isWrong) number.setAttribute("aria-invalid", "true");
+    else number.removeAttribute("aria-invalid");
+  };
   const show = (values) => {
-    const [value, end] = [definition.of(values), endOf(values)];
+    current = values;
+    const end = endOf(values);
     scale = scaleOf(definition, end);
     number.disabled = slider.disabled = end === definition.from;
-    if (document.activeElement !== number) number.value = String(clean(value * factor));
-    // rounded, its own place may be where it came from: no key would move it
-    if (document.activeElement !== slider) slider.value = String(Math.round(scale.place(value) * STEPS));
-    slider.setAttribute("aria-valuetext", `${digits(value * factor)} ${unit}`);
+    // what the reader is about to write or to slide stays
+    if (before === null) {
+      write();
+      place();
+    }
+    slider.setAttribute("aria-valuetext", `${digits(definition.of(values) * factor)} ${unit}`);
+    tell("", false);
+  };
+  const put = (value) => {
+    before ??= current;
+    refusal = change(definition.toml(before, value));
+    tell(refusal, refusal !== "");
+  };
+  const back = () => change(definition.toml(before, definition.of(before)));
+  const done = () => {
+    if (before === null || !number.isConnected) return;
+    const text = refusal;
+    if (text) back();
+    before = null;
+    refusal = "";
+    write();
+    if (text) {
+      place();
+      refuse(text);
+      tell(text, false);
+    }
+    settle();
   };
   slider.addEventListener("input", () => {
     const value = Number(digits(scale.value(Number(slider.value) / STEPS) * factor, 3));
     number.value = String(value);
+    put(clean(value / factor));
     slider.setAttribute("aria-valuetext", `${value} ${unit}`);
-    change(definition, clean(value / factor), false);
   });
-  slider.addEventListener("change", () => change(definition, null, true));
+  slider.addEventListener("change", done);
   number.addEventListener("input", () => {
-    if (number.value !== "" && Number.isFinite(number.valueAsNumber)) change(definition, clean(number.valueAsNumber / factor), false);
+    const value = written(number.value, unit);
+    if (Number.isFinite(value)) return put(clean(value / factor));
+    before ??= current;
+    refusal = `${label}: "${number.value}" is no number in ${unit}. Write it as 1.5 or 1,5, without a separator of thousands.`;
+    number.setAttribute("aria-invalid", "true");
   });
-  number.addEventListener("change", () => change(definition, null, true));
+  number.addEventListener("change", done);
+  number.addEventListener("blur", done);
+  number.addEventListener("keydown", (event) => {
+    if (event.key !== "Escape" || before === null) return;
+    back();
+    refusal = "";
+    done();
+  });
   const element = html(
     "div",
     { className: "control" },
     html("label", { htmlFor: id }, label),
     html("span", { className: "value" }, number, html("span", { className: "unit" }, unit)),
     slider,
+    why,
     hint ? html("p", { className: "hint", id: hintId }, hint) : null,
   );
-  return { element, show };
+  const forget = () => {
+    before = null;
+    refusal = "";
+  };
+  return { element, show, forget };
 }
 
 /** A yes or no, with `flip` called with the new one. */
@@ -70,8 +127,11 @@ function check(id, label, hint, flip) {
   return { element, box };
 }
 
-/** The controls of a study; `change` gets a TOML table of changes, `settle` is called when a value stays. */
-export function createControls(host, { change, settle }) {
+/**
+ * The controls of a study; `change` gets a TOML table of changes and returns why it is refused, `refuse` says such a reason again,
+ * `settle` is called when a value stays.
+ */
+export function createControls(host, { change, refuse, settle }) {
   let shape = null;
   let parts = [];
   let current = null;
@@ -97,20 +157,18 @@ export function createControls(host, { change, settle }) {
   const ownWays = check("own-ways", "Each way has its own delay and jitter", "Not checked, both ways have those from robot 1 to 2.", apart("hasOwnWays", areWaysAlike, waysAlike));
   const ownGrips = check("own-grips", "Each axis is held in its own way", "Not checked, all axes are held as the first.", apart("hasOwnGrips", areGripsAlike, gripsAlike));
   const unusual = check("allow-unusual", "Allow values that no laboratory has", "Otherwise they are refused, because their unit is probably wrong.", (is) => write(`allow_unusual = ${is}`));
-  const changed = (definition, value, isFinal) => {
-    if (value !== null) change(definition.toml(current, value));
-    if (isFinal) settle();
-  };
   const checksOf = (key, values) => ({ network: [buffer], rarer: [ownWays, unusual], hand1: values.axes.length > 1 ? [ownGrips] : [] })[key] ?? [];
   const build = (values, choices) => {
     const focused = host.contains(document.activeElement) ? document.activeElement.id : "";
     const wasOpen = new Map([...host.children].map((group) => [group.dataset.key, group.open]));
     parts = [];
     const made = groups(values, choices).map(({ key, title, controls, note, isOpen }) => {
-      const own = controls.map((definition) => control(definition, changed));
+      const own = controls.map((definition) => control(definition, { change, refuse, settle }));
       parts.push(...own);
       const group = html("details", { open: wasOpen.get(key) ?? isOpen ?? false, className: "group" }, html("summary", {}, html("h3", {}, title)), note ? html("p", { className: "hint" }, note) : null, ...own.map((part) => part.element), ...checksOf(key, values).map((each) => each.element));
       group.dataset.key = key;
+      // both robots have a mass: which one it is, a screen reader says by the group
+      group.setAttribute("aria-label", title);
       return group;
     });
     host.replaceChildren(...made);
@@ -128,5 +186,9 @@ export function createControls(host, { change, settle }) {
     ownGrips.box.checked = choices.hasOwnGrips;
     unusual.box.checked = values.allow_unusual;
   };
-  return { show };
+  return {
+    show,
+    /** Another study is opened: what is half written belongs to the one before. */
+    forget: () => parts.forEach((part) => part.forget()),
+  };
 }

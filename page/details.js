@@ -26,7 +26,11 @@ export function createDetails(engine, part, region) {
       part("roots").replaceChildren(html("p", { className: "reading" }, error.message));
     }
   };
-  const showMotion = ({ study, values }) => motion.show(engine, study, axis, values.sample_period);
+  const showMotion = ({ study, values, answer }) => {
+    const { status } = worseOf(answer);
+    const isStable = status === "unstable" ? false : status === "not proven" ? null : true;
+    motion.show(engine, study, axis, values.sample_period, isStable);
+  };
   const showAxes = ({ axes }) => {
     const choice = part("axis");
     choice.parentElement.hidden = axes.length < 2;

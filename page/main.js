@@ -23,9 +23,9 @@ async function compiledCore() {
 
 /** Asks for an attack on another thread, or on this one where a page may not have others. */
 function createAttacker(engine) {
-  const source = `const STATE=13;class Refused extends Error{};const createEngine=${createEngine};let engine=null;
+  const source = `const STATE=13;class Refused extends Error{constructor(refusal){super(refusal.refused);}};const createEngine=${createEngine};let engine=null;
     onmessage=({data})=>{if(data.module){engine=createEngine(data.module);return;}
-    try{postMessage({id:data.id,found:engine.attack(data.study,data.delay,data.seed)});}catch(error){postMessage({id:data.id,error:String(error)});}};`;
+    try{postMessage({id:data.id,found:engine.attack(data.study,data.delay,data.seed)});}catch(error){postMessage({id:data.id,error:error.message});}};`;
   const here = async (study, delay, seed) => {
     await new Promise((resume) => setTimeout(resume, 30));
     return engine.attack(study, delay, seed);
@@ -41,12 +41,13 @@ function createAttacker(engine) {
   let isBroken = false;
   return (study, delay, seed) => {
     if (isBroken) return here(study, delay, seed);
-    return new Promise((resolve) => {
+    return new Promise((resolve, reject) => {
       const id = ++last;
       const answered = ({ data }) => {
         if (data.id !== id) return;
         worker.removeEventListener("message", answered);
-        resolve(data.found ?? { delay, stiffness: null });
+        if (data.found) resolve(data.found);
+        else reject(new Error(data.error));
       };
       worker.addEventListener("message", answered);
       worker.addEventListener("error", () => ((isBroken = true), resolve(here(study, delay, seed))), { once: true });

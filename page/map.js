@@ -3,7 +3,7 @@
 import { roundUp, stiffness, time } from "./numbers.js";
 import { plane, pointerPlace } from "./plane.js";
 import { html, pathOf, svg } from "./svg.js";
-import { WORDS, isVarying, limits, worseOf } from "./words.js";
+import { WORDS, isVarying, limits, marginSentence, worseOf } from "./words.js";
 
 const COLUMNS = 500;
 /** Delays at which the verdicts while the delay varies are judged. */
@@ -50,7 +50,7 @@ export function createMap(host, { move, settle }) {
       width,
       height: Math.round(Math.min(0.72 * width + 40, 460)),
       x: { from: 0, to: extent.stiffness, label: "Stiffness of the spring, N/m", factor: 1 },
-      y: { from: 0, to: extent.delay, label: "Delay each way, ms", factor: 1e3 },
+      y: { from: 0, to: extent.delay, label: values.delay[0] === values.delay[1] ? "Delay each way, ms" : "Mean delay of both ways, ms", factor: 1e3 },
       label: "Map of what is stable",
       description: describe(values, answer),
     });
@@ -61,6 +61,7 @@ export function createMap(host, { move, settle }) {
       const points = bands.map((band) => [view.toX(Math.min(of(band), 2 * extent.stiffness)), view.toY(band.delay)]);
       return pathOf(points);
     };
+    if (varying && bands.length <= 1) keys.unshift(["", "none", "what is proven while the delay varies: still computed …"]);
     if (varying && bands.length > 1) {
       const end = bands.map((band) => [view.toX(Math.min(band.allowed ?? Infinity, 2 * extent.stiffness)), view.toY(band.delay)]);
       const region = `${pathOf([[view.toX(0), view.toY(bands[0].delay)], ...end, [view.toX(0), view.toY(bands.at(-1).delay)]])}Z`;
@@ -76,7 +77,9 @@ export function createMap(host, { move, settle }) {
         keys.push(["line attack", "line", "an attack was found that makes the motion grow from here on; between it and what is proven nobody knows"]);
       }
     }
-    const paper = found.stiffness.map((k, i) => (found.paper[i] === null ? null : [view.toX(k), view.toY(Math.max(found.paper[i] - found.extra, 0))]));
+    // At one stiffness the sign in Eq. 9 is 0, and with it the delay: a place of no width is no line.
+    const isPlace = (i) => found.paper[i] === 0 && found.paper[i - 1] > 0 && found.paper[i + 1] > 0;
+    const paper = found.stiffness.flatMap((k, i) => (isPlace(i) ? [] : found.paper[i] === null ? [null] : [[view.toX(k), view.toY(Math.max(found.paper[i] - found.extra, 0))]]));
     if (paper.some(Boolean)) {
       const critical = found.paper_critical;
       const from = critical > 0 && critical < extent.stiffness ? [[view.toX(critical), view.toY(extent.delay * 1.2)]] : [];
@@ -152,12 +155,11 @@ export function createMap(host, { move, settle }) {
 }
 
 function describe(values, answer) {
-  const at = limits(worseOf(answer));
   const delay = (values.delay[0] + values.delay[1]) / 2;
+  const decided = worseOf(answer);
   return (
     `Stiffness to the right, delay upwards; the shaded area is stable. Your study, ${stiffness(values.stiffness)} and ${time(delay)}, is ` +
-    `${WORDS[worseOf(answer).status].toLowerCase()}. At its delay the stiffness may be up to ${stiffness(at.stiffness, "down")}; ` +
-    `at its stiffness a constant delay may be up to ${time(at.delay, "down")}.`
+    `${WORDS[decided.status].toLowerCase()}. ${marginSentence(values, decided)}`
   );
 }
 
@@ -172,6 +174,7 @@ function star(radius) {
 
 function swatch(style, kind) {
   const mark = {
+    none: () => svg("g"),
     area: () => svg("rect", { x: 1, y: 2, width: 24, height: 12, class: style }),
     line: () => svg("path", { d: "M1 8H25", class: style }),
     star: () => svg("path", { d: star(7), transform: "translate(13 8)", class: "star" }),

@@ -1,7 +1,7 @@
 // The motion of the two robots in time: with the bare spring and, beside it, behind the guard.
 
 import { STATE } from "./engine.js";
-import { digits, roundUp } from "./numbers.js";
+import { digits, roundUp, time } from "./numbers.js";
 import { plane, pointerPlace } from "./plane.js";
 import { html, pathOf, svg } from "./svg.js";
 
@@ -15,6 +15,8 @@ const RUNS = [
   ["Guard", 7],
 ];
 const REACH = 0.06;
+/** Sample periods that are shown, s: shorter ones take too long to compute, longer ones have no motion to see. */
+const PERIODS = { least: 1e-4, most: 0.1 };
 
 /** The motion after a pull at robot 1, and robots that a reader pulls. */
 export function createMotion(host) {
@@ -38,11 +40,13 @@ export function createMotion(host) {
     return { states: [engine.step(pulled, PULL.place, PULL.grip), engine.step(rest, 0, 0)], pulled, rest };
   };
 
+  /** Draws the motion; returns whether the bare spring's grows. */
   const drawPanels = ({ states }) => {
     const all = states.flatMap((each) => Array.from({ length: each.length / STATE }, (_, i) => each.subarray(i * STATE, (i + 1) * STATE)));
     const stride = Math.max(1, Math.floor(all.length / POINTS));
     const seen = all.filter((_, i) => i % stride === 0);
     const words = [];
+    const growing = [];
     const places = all.flatMap((s) => RUNS.flatMap(([, at]) => (s[at + 5] ? [] : [Math.abs(s[at]), Math.abs(s[at + 1])])));
     const reach = Math.min(roundUp(1.1 * Math.max(0.01, places.reduce((one, other) => Math.max(one, other), 0))), REACH);
     const drawings = RUNS.map(([name, at]) => {
@@ -50,6 +54,7 @@ export function createMotion(host) {
       const [early, late] = [size(PULL.time, PULL.time + 1), size(PULL.time + LENGTH - 1, Infinity)];
       const hasLeft = all.at(-1)[at + 5] === 1;
       const grows = hasLeft || late > 1.05 * early;
+      growing.push(grows);
       const text = hasLeft
         ? `${name}: the robots shake each other until they leave the page.`
         : `${name}: the distance between the robots swings by up to ${digits(early * 1e3, 3)} mm in the first second, by ${digits(late * 1e3, 3)} mm in the last: it ${grows ? "grows" : "dies away"}.`;
@@ -71,6 +76,7 @@ export function createMotion(host) {
     });
     panels.replaceChildren(...drawings);
     reading.textContent = `A hand pulls robot 1 (solid line) by ${PULL.place * 1e3} mm for ${PULL.time} s and lets go; robot 2 (dashed) follows over the network. ${words.join(" ")}`;
+    return growing[0];
   };
 
   const begin = () => {
@@ -80,7 +86,7 @@ export function createMotion(host) {
     stage.hidden = false;
     pullButton.disabled = false;
     runButton.textContent = "Stop";
-    status.textContent = "Drag the blue handle of robot 1, or press the button below the drawing. Both couplings feel the same hand.";
+    status.textContent = "Drag the blue handle of robot 1, or press “Pull robot 1 and let go”. Both couplings feel the same hand.";
     requestAnimationFrame(frame);
   };
   let live_axis = 0;
@@ -116,17 +122,27 @@ export function createMotion(host) {
   });
 
   return {
-    show(core, text, axis, samplePeriod) {
+    /** Shows the motion of a study; `isStable` is what the answer says of it, null for neither. */
+    show(core, text, axis, samplePeriod, isStable) {
       [engine, study, live_axis] = [core, text, axis];
       if (live) end();
+      status.textContent = "";
+      const cannot = (why) => {
+        panels.replaceChildren();
+        reading.textContent = `The motion cannot be shown: ${why}`;
+        runButton.disabled = true;
+        stage.hidden = true;
+      };
+      period = samplePeriod > 0 ? samplePeriod : 1e-3;
+      if (period < PERIODS.least || period > PERIODS.most) {
+        return cannot(`it is computed for sample periods from ${time(PERIODS.least)} to ${time(PERIODS.most)}.`);
+      }
       try {
-        period = samplePeriod > 0 ? samplePeriod : 1e-3;
-        drawPanels(play(axis));
+        const grows = drawPanels(play(axis));
+        if (isStable !== null && grows === isStable) reading.append(` One pull shows ${LENGTH} s; the answer above is about every pull and all later times.`);
         runButton.disabled = false;
       } catch (error) {
-        panels.replaceChildren();
-        reading.textContent = `The motion cannot be shown: ${error.message}`;
-        runButton.disabled = true;
+        cannot(error.message);
       }
     },
   };

@@ -37,3 +37,21 @@ export function ticks(end, most = 6) {
   const step = [1, 2, 5, 10].map((each) => each * 10 ** Math.floor(Math.log10(end / most))).find((each) => end / each <= most);
   return Array.from({ length: Math.floor(end / step + 1e-9) + 1 }, (_, i) => clean(i * step));
 }
+
+/** Other units of time, in ms. */
+const TIMES = { s: 1e3, µs: 1e-3, μs: 1e-3, us: 1e-3 };
+const plainUnit = (unit) => unit.replaceAll(/[·⋅*\s]/g, "").normalize("NFKC").toLowerCase();
+
+/**
+ * The number that a reader writes for a value with this unit, as "80", "1.5", "1,5", "1e3", "80 ms", or "0.1 s" for one in ms.
+ * NaN if it is none: "1,000" may be one or a thousand.
+ */
+export function written(text, unit) {
+  const found = /^([+-]?)(\d+(?:[.,]\d*)?|[.,]\d+)(e[+-]?\d+)?\s*([^\d.,\s].*)?$/i.exec(text.trim().replace("−", "-"));
+  if (!found) return NaN;
+  const [, sign, size, power = "", own = ""] = found;
+  if (/^[1-9]\d{0,2},\d{3}$/.test(size)) return NaN;
+  const isOwn = own === "" || plainUnit(own) === plainUnit(unit);
+  const factor = isOwn ? 1 : unit === "ms" ? TIMES[own] : undefined;
+  return factor === undefined ? NaN : Number(`${sign}${size.replace(",", ".")}${power}`) * factor;
+}

@@ -5,7 +5,7 @@ import { svg } from "./svg.js";
 
 /** A drawing with axes. `x` and `y` are {from, to, label, factor}: shown is the value times its factor. */
 export function plane({ width, height, x, y, label, description }) {
-  const left = 58, right = 12, top = 12, bottom = 44;
+  const left = 58, right = 18, top = 12, bottom = 44;
   const inner = { width: width - left - right, height: height - top - bottom };
   const id = `plane-${(plane.count = (plane.count ?? 0) + 1)}`;
   const drawing = svg("svg", { viewBox: `0 0 ${width} ${height}`, class: "drawing", role: "group", "aria-labelledby": `${id}-title ${id}-description` });

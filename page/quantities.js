@@ -48,7 +48,7 @@ const springAndNetwork = (values, { hasOwnWays }) => [
     isLog: 1e-4,
     of: (v) => v.sample_period,
     // a controller computes within its period
-    toml: (v, h) => `controller.sample_period = ${h}${v.computing_time > h ? `\ncontroller.computing_time = ${h}` : ""}`,
+    toml: (v, h) => `controller.sample_period = ${h}${v.computing_time > 0 ? `\ncontroller.computing_time = ${Math.min(v.computing_time, h)}` : ""}`,
     hint: "0 is a continuous controller; a 1 kHz controller has 1 ms.",
   }),
 ];

@@ -67,15 +67,16 @@ export function createRegion(engine, element, { change, settle }) {
       shown.bands = bands;
       draw();
     },
-    /** Adds where an attack on the network is found, delay by delay, until the study is another one. */
+    /** Adds where an attack on the network is found, delay by delay, until the study is another one; returns what was found. */
     async addAttacks(state, attackAt, isCurrent) {
       const found = [];
       for (const share of ATTACKED) {
         found.push(await attackAt(state.study, share * shown.extent.delay, SEED));
-        if (!isCurrent()) return;
+        if (!isCurrent()) break;
         shown.attacks = [...found];
         draw();
       }
+      return found;
     },
     extent: () => shown.extent,
     attacks: () => shown.attacks,

@@ -4,6 +4,9 @@ import { toHash } from "./link.js";
 import { pngOf, standalone } from "./picture.js";
 import { html } from "./svg.js";
 
+/** No study is larger, bytes: as the core reads at most. */
+const LARGEST = 2 ** 20;
+
 /** Hands a file to the reader. */
 function download(name, content, type) {
   const link = html("a", { href: URL.createObjectURL(new Blob([content], { type })), download: name });
@@ -11,16 +14,20 @@ function download(name, content, type) {
   setTimeout(() => URL.revokeObjectURL(link.href), 1000);
 }
 
-/** Copies a text, in the old way where the new one is not allowed. */
+/** Copies a text, in the old way where the new one is not allowed; returns whether it is copied. */
 async function copyText(text) {
   try {
     await navigator.clipboard.writeText(text);
+    return true;
   } catch {
+    const focused = document.activeElement;
     const area = html("textarea", { value: text });
     document.body.append(area);
     area.select();
-    document.execCommand("copy");
+    const isCopied = document.execCommand("copy");
     area.remove();
+    focused?.focus();
+    return isCopied;
   }
 }
 
@@ -78,11 +85,23 @@ export function addPictureButtons(part, region, message) {
 /** Wires what takes a study in and out; `open` takes a text, `study` gives one. */
 export function wireSharing(part, message, { open, openStart, study, isInside }) {
   const openFile = async (file) => {
-    if (file && open(await file.text())) message.say(`Opened ${file.name}.`);
+    if (!file) return;
+    if (file.size > LARGEST) return message.warn(`${file.name} is too large: a study has at most 1 MiB.`);
+    let text;
+    try {
+      text = await file.text();
+    } catch {
+      // a folder, or a file that is gone
+      return message.warn(`${file.name} cannot be read: a study is one file.`);
+    }
+    // an empty text is the paper's study, an empty file is none
+    if (!open(text || "\n")) return;
+    const left = message.text();
+    message.say(`Opened ${file.name}.${left && ` ${left}`}`);
   };
   const copy = async (text, what) => {
-    await copyText(text);
-    message.say(`${what} is copied.`);
+    if (await copyText(text)) message.say(`${what} is copied.`);
+    else message.warn(`This browser lets the page copy nothing. ${what}: ${text}`);
   };
   part("open").addEventListener("click", () => part("file").click());
   part("file").addEventListener("change", async () => {

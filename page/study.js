@@ -2,15 +2,18 @@
 
 /** The paper's robots at a condition that is stable. */
 export const START = "coupling.stiffness = 71.2\nnetwork.delay = 0.1\n";
-/** What a study must have that a page shows; a file may leave it open. */
-const OPEN = { stiffness: "coupling.stiffness = 71.2", delay: "network.delay = 0.1" };
+/** What a study must have that a page shows, and what is said where it leaves it open. */
+const OPEN = {
+  stiffness: { changes: "coupling.stiffness = 71.2", words: "the stiffness (shown is 71.2 N/m)" },
+  delay: { changes: "network.delay = 0.1", words: "the delay (shown is 100 ms each way)" },
+};
 
-/** A study with changes, {study, values, answer}; throws what the core refuses. */
+/** A study with changes, {study, values, answer, assumed}, where `assumed` says what it left open; throws what the core refuses. */
 export function judged(engine, study, changes) {
   let values = engine.study(study, changes);
-  const missing = Object.keys(OPEN).filter((key) => values[key] === null);
-  if (missing.length) values = engine.study(values.toml, missing.map((key) => OPEN[key]).join("\n"));
-  return { study: values.toml, values, answer: engine.decide(values.toml) };
+  const missing = Object.keys(OPEN).filter((key) => values[key] === null).map((key) => OPEN[key]);
+  if (missing.length) values = engine.study(values.toml, missing.map((each) => each.changes).join("\n"));
+  return { study: values.toml, values, answer: engine.decide(values.toml), assumed: missing.map((each) => each.words) };
 }
 
 /** The mean of the delays of both ways, s. */

@@ -14,6 +14,7 @@ import pytest
 
 from document_blocks import documents
 from made_session import write_session
+from telespring.cli import keyboard
 
 #: Pages that the build of the site writes, besides one per example of the gallery.
 SITE_PAGES = ("commands", "python", "gallery/index", "try-it")
@@ -157,3 +158,10 @@ def test_law_the_readme_shows_what_the_command_prints(root: Path) -> None:
     printed = " ".join(done.stdout.split())
     for line in shown.splitlines():
         assert line.strip() in printed
+
+
+@pytest.mark.parametrize("document", ["docs/console.md", "docs/tutorials/couple.md"])
+def test_law_a_key_that_a_document_names_is_one(root: Path, document: str) -> None:
+    named = set(re.findall(r"`([a-z])`", (root / document).read_text(encoding="utf-8")))
+    assert named
+    assert named <= {*keyboard._ORDERS, keyboard._MARK}

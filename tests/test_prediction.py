@@ -210,7 +210,9 @@ def test_law_the_page_prints_the_limits() -> None:
 def test_law_the_map_draws_the_limits() -> None:
     ax = ts.plot.prediction_map(ts.hman(), ["hold", "linear"], points=8)
     hold, linear = (np.asarray(line.get_xydata()) for line in ax.get_lines())
-    assert hold[2] == pytest.approx([ts.maximum_stiffness(ts.hman(), 1e-3 * hold[2, 1]), 131.25])
-    assert linear[2, 0] == pytest.approx(ts.maximum_stiffness(ts.hman(), 0.13125, predictor="linear"))
+    assert hold[3] == pytest.approx([ts.maximum_stiffness(ts.hman(), 1e-3 * hold[3, 1]), 131.25])
+    assert linear[3, 0] == pytest.approx(ts.maximum_stiffness(ts.hman(), 0.13125, predictor="linear"))
+    [stable] = ax.collections
+    assert stable.get_datalim(ax.transData).y0 == 0.0, "without a delay every stiffness is stable"
     with pytest.raises(ts.InvalidInput):
         ts.plot.prediction_map(ts.hman(), [])

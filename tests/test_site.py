@@ -9,7 +9,9 @@ from importlib import import_module
 from pathlib import Path
 
 import matplotlib as mpl
+import numpy as np
 import pytest
+from matplotlib.testing.compare import compare_images
 from typer.testing import CliRunner
 
 import telespring as ts
@@ -109,6 +111,29 @@ def test_law_every_page_is_in_a_table_of_contents() -> None:
             entries = [line for line in contents.splitlines() if line and not line.startswith(":")]
             listed |= {(page.parent / f"{entry}.md").resolve() for entry in entries}
     assert pages - listed == set()
+
+
+def test_pin_the_picture_of_the_first_tutorial_is_what_its_command_draws(tmp_path: Path) -> None:
+    tutorial = (ROOT / "docs" / "tutorials" / "decide.md").read_text(encoding="utf-8")
+    [command] = re.findall(r"^\$ telespring (decide .*) --figure map\.png$", tutorial, re.MULTILINE)
+    [shown] = re.findall(r"^!\[.*\]\((.*)\)$", tutorial, re.MULTILINE)
+    drawn = tmp_path / "map.png"
+    assert CliRunner().invoke(app, [*command.split(), "--figure", str(drawn)]).exit_code == 0
+    kept = (ROOT / "docs" / "tutorials" / shown).resolve()
+    assert compare_images(str(kept), str(drawn), tol=2.0) is None
+
+
+def test_law_the_loop_of_the_matlab_guide_is_the_one_of_nyquist() -> None:
+    """MATLAB's `allmargin(L)` counts round −1, as `nyquist` does: it has to be given the same loop."""
+    guide = (ROOT / "docs" / "how-to" / "from-matlab.md").read_text(encoding="utf-8")
+    assert "L = -k^2 / ((m(1)*s^2 + b(1)*s + k) * (m(2)*s^2 + b(2)*s + k));" in guide
+    assert "L.InputDelay = 2*0.1;" in guide
+    [given] = re.findall(r"allmargin\((-?L)\) ", guide)
+    k, (m1, m2), (b1, b2) = 71.2, (0.8334, 0.7776), (7.7257, 7.4208)
+    s = 1j * np.array([1.0, 9.4, 30.0])
+    loop = -(k**2) / ((m1 * s**2 + b1 * s + k) * (m2 * s**2 + b2 * s + k)) * np.exp(-2 * 0.1 * s)
+    ours = ts.open_loop(ts.hman(), k, 0.1, s.imag, axis="x")
+    np.testing.assert_allclose(loop if given == "L" else -loop, np.asarray(ours.value), rtol=1e-12)
 
 
 def test_law_the_gallery_has_at_least_twelve_examples_that_assert() -> None:

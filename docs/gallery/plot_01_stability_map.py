@@ -12,8 +12,8 @@ dyad = ts.hman()  # the robots of Du et al., Table III
 ax = ts.plot.stability_map(dyad, mark=(71.2, 0.1))
 
 # %%
-# Below the critical stiffness no constant delay destabilises the dyad. Twice of it is stable up to one
-# delay.
+# Below the critical stiffness no constant delay destabilises the dyad. Twice that stiffness is stable
+# below the maximum delay.
 
 critical = ts.critical_stiffness(dyad)
 limit = ts.maximum_delay(dyad, 2 * critical)

@@ -2,9 +2,9 @@
 What does jitter cost?
 ======================
 
-Five verdicts assume five things about the network, and each allows its own stiffness. Jitter makes the
-delay vary. The verdict for a constant delay then holds behind a playout buffer only, which waits for the
-latest packet.
+Each of the five verdicts makes its own assumption about the network, and allows its own stiffness. Jitter
+makes the delay vary. The verdict for a constant delay then holds only behind a playout buffer, which waits
+for the latest packet.
 """
 
 import matplotlib.pyplot as plt
@@ -21,18 +21,26 @@ for jitter in jitters:
         bounds.setdefault(verdict.tier, []).append(verdict.stiffness_bound)
 
 figure, ax = plt.subplots(layout="constrained")
-for tier, style in zip(bounds, ["-", "--", "-", "-.", ":"], strict=True):
+styles = {
+    "constant delay": ":",
+    "age in a range": "-",
+    "bounded varying delay": "--",
+    "any constant delay": "-.",
+    "any network": (0, (6, 2)),
+}  # from the top down
+for tier, style in styles.items():
     name = "constant delay, behind a buffer" if tier == "constant delay" else tier
-    ax.plot(1000 * jitters, bounds[tier], style, label=name)
+    ax.plot(1000 * jitters, bounds[tier], linestyle=style, label=name)
 ax.set(
     xlabel="Jitter, ms", ylabel="Stiffness allowed, N/m", title="The H-MANs, 100 ms one way", ylim=(0, None)
 )
-ax.legend()
+figure.legend(loc="outside lower center", ncols=2)
 
 # %%
 # "Age in a range" lies between the verdict for one constant delay and the one for any variation. It
 # needs no buffer.
 
+assert set(styles) == set(bounds)
 assert np.all(np.diff(bounds["age in a range"]) < 0)
 for between, below, above in zip(
     bounds["age in a range"], bounds["bounded varying delay"], bounds["constant delay"], strict=True

@@ -30,7 +30,8 @@ ax.set_title(f"Crossing at {1000 * limit:.1f} ms with {crossing.frequency:.2f} r
 figure.colorbar(shown, label="One-way delay, ms")
 
 # %%
-# A certificate says that no root was missed: the argument principle counts as many as were found.
+# A certificate says that no root was missed: the argument principle counts as many as were found. Just
+# below the maximum delay all of them are in the left half-plane, just above it a pair is not.
 
 for factor, is_stable in ((0.999, True), (1.001, False)):
     found = ts.certified_roots(dyad, stiffness, factor * limit, axis="x")

@@ -2,9 +2,9 @@
 Where the paper's critical stiffness is unsafe
 ==============================================
 
-Eq. 5 of Du et al. gives the stiffness below which no constant delay shall destabilise a dyad. It is
-necessary, not sufficient: for robots of equal mass it fails as soon as one damping exceeds 1 + √2 times
-the other.
+Eq. 5 of Du et al. is meant to give the stiffness below which no constant delay destabilises a dyad. It is
+a necessary condition, not a sufficient one: for robots of equal mass it fails as soon as one damping
+exceeds 1 + √2 times the other.
 """
 
 import matplotlib.pyplot as plt
@@ -19,7 +19,7 @@ paper = ts.critical_stiffness(1.0, 1.0, 1.0, ratios, method="paper")
 figure, ax = plt.subplots(layout="constrained")
 ax.plot(ratios, paper, "--", label="Eq. 5")
 ax.plot(ratios, exact, label="exact")
-ax.fill_between(ratios, exact, paper, alpha=0.2, label="called safe, and is not")
+ax.fill_between(ratios, exact, paper, alpha=0.2, label="called safe by Eq. 5, but is not")
 ax.axvline(1 + np.sqrt(2), color="gray", linestyle=":", label="1 + √2")
 ax.set(
     xlabel="Ratio of the dampings b₂/b₁",

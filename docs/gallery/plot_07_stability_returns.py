@@ -23,8 +23,10 @@ figure, ax = plt.subplots(layout="constrained")
 ax.contourf(delays, stiffnesses, stable, levels=[0.5, 1.5], colors=["tab:blue"], alpha=0.3)
 ax.axhline(stiffness, color="black", linewidth=0.8)
 for start, end in intervals:
-    ax.plot([start, end], [stiffness, stiffness], linewidth=5, solid_capstyle="butt")
-ax.set(xlabel="One-way delay, s", ylabel="Stiffness, N/m", title="Shaded: stable")
+    label = f"stable from {start:.3f} to {end:.3f} s"
+    ax.plot([start, end], [stiffness, stiffness], linewidth=5, solid_capstyle="butt", label=label)
+ax.set(xlabel="One-way delay, s", ylabel="Stiffness, N/m", title=f"Shaded: stable. Line: {stiffness:.2f} N/m")
+ax.legend()
 
 # %%
 

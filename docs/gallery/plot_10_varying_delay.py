@@ -2,9 +2,9 @@
 A delay that varies
 ===================
 
-"k ≤ k_m is robust against unpredictable delays" holds for constant delays only. Two equal robots meet a
-network here that always delivers the most harmful sample of the past. At k_m the motion grows; below
-half of k_m no network can do that.
+"k ≤ k_m is robust against unpredictable delays" holds for constant delays only. Here a network always
+delivers the most harmful sample of the past to two equal robots. At k_m the motion grows; below half of k_m
+no network can make it grow.
 """
 
 import matplotlib.pyplot as plt
@@ -18,7 +18,7 @@ critical = ts.critical_stiffness(mass, damping, mass, damping)
 
 
 def attacked(stiffness: float, duration: float) -> np.ndarray:
-    """Return half the distance of the robots, m, when the partner's sample is the worst of all so far."""
+    """Return the position of robot 1, m, when the partner's sample is the worst of all so far."""
     dynamics = np.array([[0, 1, 0], [-stiffness / mass, -damping / mass, stiffness / mass], [0, 0, 0]])
     step = expm(dynamics * period)
     swing = 4 * stiffness / mass - (damping / mass) ** 2
@@ -39,16 +39,17 @@ def attacked(stiffness: float, duration: float) -> np.ndarray:
 figure, ax = plt.subplots(layout="constrained")
 time = np.arange(0, 20, period)
 for factor in (1.0, 0.75, 0.49):
-    ax.plot(time, 1000 * attacked(factor * critical, 20.0), label=f"{factor:g} k_m", linewidth=1)
+    ax.plot(time, 1000 * attacked(factor * critical, 20.0), label=f"{factor:g} $k_m$", linewidth=1)
 ax.set(
     xlabel="Time, s",
-    ylabel="Half the distance, mm",
-    title=f"Two robots of 1 kg and 4 N·s/m, k_m = {critical:g} N/m",
+    ylabel="Position of robot 1, mm",
+    title=f"Two robots of 1 kg and 4 N·s/m, $k_m$ = {critical:g} N/m",
 )
 ax.legend()
 
 # %%
-# The verdict "any network" gives b²/(4m), half of k_m, for free handles.
+# Robot 2 is the mirror image of robot 1. The verdict "any network" gives b²/(4m), half of k_m, for free
+# handles.
 
 judged = ts.verdicts(ts.Dyad(ts.Robot(mass, damping), ts.Robot(mass, damping)), critical, 0.1)
 bound = judged.tier("any network").stiffness_bound

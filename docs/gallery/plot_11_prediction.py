@@ -2,8 +2,8 @@
 What a predictor does to stability
 ==================================
 
-A side can use where its partner will be instead of where it was. On a bare spring a straight line helps
-at short delays and harms at long ones.
+Each side knows where its partner was. It can also predict where the partner is now. With a bare spring a
+straight-line prediction allows a stiffer spring at short delays, and only a softer one at long delays.
 """
 
 import telespring as ts

@@ -3,7 +3,7 @@ Mass and damping from a log
 ===========================
 
 The log has positions and forces at the handle of a simulated robot: 1.2 and 1.4 kg, 6 and 8 N·s/m.
-Identification finds them with intervals, and says what the force had beside them.
+Identification estimates them, each with an interval that shows how far the estimate can be trusted.
 """
 
 from pathlib import Path
@@ -18,20 +18,25 @@ log = read_log(root / "examples" / "log.csv")
 robot = identify(log.time, log.position, log.force)
 
 true = {"mass": (1.2, 1.4), "damping": (6.0, 8.0)}
-figure, axes = plt.subplots(1, 2, figsize=(8, 3.6), layout="constrained")
-for ax, name, unit in zip(axes, ("mass", "damping"), ("kg", "N·s/m"), strict=True):
-    for place, (axis, value) in enumerate(zip(robot.axes, true[name], strict=True)):
+units = {"mass": "kg", "damping": "N·s/m"}
+figure, ax = plt.subplots(layout="constrained")
+ax.axhline(0.0, color="black", linestyle="--", label="truth")
+labels = []
+for name, values in true.items():
+    for axis, value in zip(robot.axes, values, strict=True):
         estimate = getattr(axis, name)
-        low, high = estimate.interval
-        ax.errorbar(
-            place, estimate.value, [[estimate.value - low], [high - estimate.value]], fmt="o", capsize=6
-        )
-        ax.plot(place, value, "x", color="black", markersize=10)
-    ax.set(xticks=[0, 1], xticklabels=["x", "y"], ylabel=f"{name.capitalize()}, {unit}", xlim=(-0.5, 1.5))
-figure.suptitle("Estimates with 95 % intervals, and the truth (×)")
+        error, low, high = (100 * (each / value - 1) for each in (estimate.value, *estimate.interval))
+        label = None if labels else "estimate with its 95 % interval"
+        ax.errorbar(len(labels), error, [[error - low], [high - error]], fmt="oC0", capsize=6, label=label)
+        labels.append(f"{name} on {axis.axis}\n{estimate.value:.3f} {units[name]}")
+ax.set_xticks(range(len(labels)), labels)
+ax.set_ylabel("Deviation from the truth, %")
+ax.legend()
 
 # %%
 
 for axis, mass, damping in zip(robot.axes, *true.values(), strict=True):
-    assert abs(axis.mass.value - mass) < 0.02 * mass
-    assert abs(axis.damping.value - damping) < 0.02 * damping
+    assert axis.mass.interval[0] < mass < axis.mass.interval[1]
+    assert axis.damping.interval[0] < damping < axis.damping.interval[1]
+    assert abs(axis.mass.value - mass) < 0.01 * mass
+    assert abs(axis.damping.value - damping) < 0.01 * damping

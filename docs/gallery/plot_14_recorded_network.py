@@ -1,9 +1,10 @@
 """
-What a recorded network deserves
-================================
+What a recorded network allows
+==============================
 
-Twenty seconds of round trips say how long each side should wait before it uses a sample, and how stiff
-the spring may then be.
+Twenty seconds of round trips show how long each side should wait before it uses a sample, and how stiff the
+spring between the paper's two H-MANs may then be. The best wait is the shortest at which nearly all samples
+are in time and the limit is nearly the largest.
 """
 
 from pathlib import Path
@@ -25,11 +26,14 @@ above.axhline(1000 * best.delay, color="black", label=f"play-out {1000 * best.de
 above.set(xlabel="Time, s", ylabel="Delay one way, ms")
 above.legend()
 waits = [1000 * choice.delay for choice in found.playouts]
-below.plot(waits, [choice.stiffness_limit for choice in found.playouts], "o-")
-below.set(xlabel="Play-out delay, ms", ylabel="Stiffness limit, N/m", ylim=(0, None))
+limits = [choice.stiffness_limit for choice in found.playouts]
+below.plot(waits, limits, "o-")
+below.plot(1000 * best.delay, best.stiffness_limit, "*", color="black", markersize=14, label="recommended")
+below.set(xlabel="Play-out delay, ms", ylabel="Stiffness limit, N/m", ylim=(0, 1.1 * max(limits)))
+below.legend(loc="lower right")
 
 # %%
 
-print(f"wait {1000 * best.delay:.0f} ms: {found.stiffness:.1f} N/m by '{best.tier}'")
+print(f"wait {1000 * best.delay:.0f} ms, use up to {found.stiffness:.1f} N/m: 5 % below '{best.tier}'")
 assert np.isnan(trace.delay).sum() == 5  # lost packets
 assert best.stiffness_limit >= 0.95 * max(choice.stiffness_limit for choice in found.playouts)

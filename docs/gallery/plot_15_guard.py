@@ -2,8 +2,9 @@
 The guard in a rehearsal
 ========================
 
-Two simulated people follow a target at 142 N/m and 84 ms, where the bare spring runs away. The guard
-gives out no more energy than it has, so that the same spring stays where the people are.
+Two simulated people follow a target, coupled by 142 N/m over 84 ms. The bare spring makes them swing more
+and more. Behind the guard, which gives out no more energy than it has, the same spring leaves the people in
+control.
 """
 
 import tempfile
@@ -31,10 +32,10 @@ for strategy, style in (("spring", "--"), ("guard", "-")):
     error = np.hypot(*(trial - trials.target).transpose("axis", ...).sel(robot=1))
     errors[strategy] = float(error.max())
     ax.semilogy(trials.time, 1000 * error, style, label=strategy)
-ax.set(xlabel="Time, s", ylabel="Distance from the target, mm", title="142 N/m, 84 ms one way")
+ax.set(xlabel="Time, s", ylabel="Distance of robot 1 from the target, mm", title="142 N/m, 84 ms one way")
 ax.legend()
 
 # %%
 
 print({strategy: f"{1000 * error:.0f} mm at most" for strategy, error in errors.items()})
-assert errors["guard"] < errors["spring"]
+assert errors["guard"] < 0.2 * errors["spring"]

@@ -117,11 +117,16 @@ test("law_a_notebook_and_the_page_in_its_frame_tell_each_other", looked, async (
   // a notebook's side of it: a model with the traits of the widget
   await page.evaluate(async ([text, html]) => {
     const { default: widget } = await import(URL.createObjectURL(new Blob([text], { type: "text/javascript" })));
-    const heard = {};
+    const heard = [];
     const traits = { _page: html, toml: "" };
-    const model = { get: (name) => traits[name], set: (name, value) => (traits[name] = value), save_changes: () => (traits.saved = (traits.saved ?? 0) + 1), on: (name, call) => (heard[name] = call), off: () => {} };
-    Object.assign(window, { traits, put: (value) => ((traits.toml = value), heard["change:toml"]()) });
-    widget.render({ model, el: document.body });
+    const set = (name, value) => {
+      const isNew = traits[name] !== value;
+      traits[name] = value;
+      if (isNew) heard.forEach((call) => call());
+    };
+    const model = { get: (name) => traits[name], set, save_changes: () => {}, on: (_, call) => heard.push(call), off: () => {} };
+    Object.assign(window, { traits, put: (value) => set("toml", value), show: () => widget.render({ model, el: document.body }) });
+    window.show();
   }, [module, readFileSync(page_file, "utf8")]);
   await page.waitForFunction(() => /stiffness = 71.2/.test(window.traits.toml));
   const frame = page.frames()[1];
@@ -130,6 +135,14 @@ test("law_a_notebook_and_the_page_in_its_frame_tell_each_other", looked, async (
   await page.waitForFunction(() => /stiffness = 88/.test(window.traits.toml));
   await page.evaluate(() => window.put(window.traits.toml.replace("stiffness = 88", "stiffness = 44")));
   await frame.waitForFunction(() => document.querySelector("#stiffness").value === "44");
+  // shown again, as in another cell: it opens with the study of now, and does not bring back that of the start
+  await page.evaluate(() => window.show());
+  await page.waitForFunction(() => window.frames.length === 2);
+  await page.frames()[2].waitForFunction(() => document.querySelector("#stiffness")?.value === "44");
+  assert.match(await page.evaluate(() => window.traits.toml), /stiffness = 44/);
+  await page.frames()[2].fill("#stiffness", "55");
+  await page.frames()[2].locator("#stiffness").blur();
+  await frame.waitForFunction(() => document.querySelector("#stiffness").value === "55");
   await context.close();
 });
 

@@ -15,9 +15,9 @@ _INTRODUCTION = """# Commands
 `telespring --help` lists the commands, `telespring COMMAND --help` the options of one. This page is written
 from the same source.
 
-Values are in SI units and may have another one: `--delay 80ms`, `--stiffness "71 N/m"`. The exit status is 0
-if the question was answered, whatever the answer; 1 if a check asked for a stable dyad and it is not; 2 for
-input that was refused or a file that could not be read or written; 130 after Ctrl-C.
+Values are in SI units unless you write another unit: `--delay 80ms`, `--stiffness "71 N/m"`. The exit status
+is 0 if the question was answered, whatever the answer; 1 if a check asked for a stable dyad and it is not;
+2 for input that was refused or a file that could not be read or written; 130 after Ctrl-C.
 """
 
 

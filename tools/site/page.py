@@ -8,8 +8,9 @@ __all__ = ["files", "write"]
 
 _FRAME = """# Try it
 
-Move a slider: the verdict, its margins and the map follow. Nothing leaves this page.
-<a href="../{name}">Open it on its own</a> to save it or to send it to a colleague.
+Drag the star in the map, or scroll down in the frame to the sliders: the verdict, its margins and the
+motion of the robots follow. Nothing leaves this page.
+<a href="../{name}">Open it on its own</a> for more room, to save it or to send it to a colleague.
 
 <iframe class="try-it" src="../{name}" title="telespring: try a dyad" loading="lazy"
 allow="clipboard-write"></iframe>

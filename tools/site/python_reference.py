@@ -22,7 +22,7 @@ ELSEWHERE = {
 _INTRODUCTION = """Python
 ======
 
-What a script needs stands in ``telespring``; the other modules hold the single steps and what they return.
+Most scripts need ``telespring`` only. The other modules hold the single steps behind it and what they return.
 All numbers are in SI units: m, s, N, kg, N/m, N·s/m, rad/s.
 """
 

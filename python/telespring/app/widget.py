@@ -24,13 +24,18 @@ export default {
     frame.style.cssText = "width: 100%; height: 860px; border: 0";
     frame.setAttribute("allow", "clipboard-write *");
     frame.srcdoc = model.get("_page");
-    const hear = (event) => {
-      if (event.source !== frame.contentWindow || event.data?.telespring !== "study") return;
-      model.set("toml", event.data.study);
-      model.save_changes();
-    };
     const tell = () => {
       frame.contentWindow?.postMessage({ telespring: "open", study: model.get("toml") }, "*");
+    };
+    let isOpen = false;
+    const hear = (event) => {
+      if (event.source !== frame.contentWindow || event.data?.telespring !== "study") return;
+      // A page opens with the study of the start; what Python or another view has put since then counts.
+      const isFirst = !isOpen;
+      isOpen = true;
+      if (isFirst && model.get("toml") && model.get("toml") !== event.data.study) return tell();
+      model.set("toml", event.data.study);
+      model.save_changes();
     };
     window.addEventListener("message", hear);
     model.on("change:toml", tell);

@@ -84,8 +84,8 @@ Robots = Annotated[
     typer.Option(
         "--robot",
         metavar="ROBOT",
-        help="Write it twice, for robots 1 and 2: mass,damping (kg, N·s/m) such as 1.2,6, axes apart by '/' "
-        "such as 1.2,6/1.4,8; or a file written by `identify`; or hman1, hman2, the paper's.",
+        help="Write it twice, for robots 1 and 2: mass,damping (kg, N·s/m) such as 1.2,6, axes separated "
+        "by '/' such as 1.2,6/1.4,8; or a file written by `identify`; or hman1, hman2, the paper's.",
     ),
 ]
 Robot1 = Annotated[

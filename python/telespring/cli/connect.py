@@ -119,7 +119,7 @@ def connect_command(
 
     Keys: p or space pause, r resume, c consent, w withdraw, s stop, x clear an emergency stop, m mark,
     Ctrl-C leave.
-    Exit status: 0 after a session that ran and was left; 1 if it never ran, or a fault ended it.
+    Exit status: 0 after a session that ran and ended in order; 1 if it never ran, or a fault ended it.
 
     Example: telespring connect --demo
     """

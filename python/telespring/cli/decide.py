@@ -50,7 +50,7 @@ def decide_command(
         typer.Option(
             parser=_TIME,
             metavar="TIME",
-            help="The largest ping less the smallest; each way counts with all of it.",
+            help="The largest ping minus the smallest; all of it counts for each way.",
         ),
     ] = None,
     robot: Robots = None,

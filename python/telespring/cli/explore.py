@@ -47,7 +47,7 @@ def explore_command(
     ] = None,
     allow_unusual: AllowUnusual = False,
 ) -> None:
-    """Open a page on which stiffness, delay and robots can be moved, with the answer at once.
+    """Open a page on which stiffness, delay and robots can be changed, with the answer at once.
 
     The page needs no server and sends nothing: it computes in the browser.
 

@@ -59,7 +59,7 @@ def probe_command(
         bool, typer.Option("--json", help="Print JSON in SI units instead of the tables.")
     ] = False,
 ) -> None:
-    """Measure the path to the partner, and say which play-out and which stiffness it deserves.
+    """Measure the path to the partner, and say which play-out and which stiffness it allows.
 
     Start it at both sites within a minute or so; which one is first does not matter. No robot is touched.
     Exit status: 0 if both ways are known, 1 if they are not.

@@ -61,7 +61,7 @@ def read_robot(written: str, option: str) -> GivenRobot:
             raise InvalidInput(
                 option,
                 written,
-                "a robot is a file, or mass,damping of each axis, the axes apart by '/'",
+                "a robot is a file, or mass,damping of each axis, the axes separated by '/'",
                 _comma_for_another_mark(written)
                 or "Write, for example, 1.2,6 for 1.2 kg and 6 N·s/m, or 1.2,6/1.4,8 for two axes.",
             )

@@ -43,7 +43,7 @@ def sweep_command(
         ),
     ] = None,
     draws: Annotated[
-        int, typer.Option(help="Robots drawn from their uncertainty, so many at each combination.")
+        int, typer.Option(help="How many robots to draw from their uncertainty at each combination.")
     ] = 0,
     seed: Annotated[int, typer.Option(help="Seed of the draws.")] = 1,
     no_trials: Annotated[

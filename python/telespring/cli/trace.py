@@ -80,7 +80,7 @@ def trace_command(
         bool, typer.Option("--json", help="Print JSON in SI units instead of the table.")
     ] = False,
 ) -> None:
-    """Find the play-out delay and the stiffness that a recorded trace of a network deserves.
+    """Find the play-out delay and the stiffness that a recorded trace of a network allows.
 
     A session is played over the trace. The ages of the motion in use say which verdicts hold.
 

@@ -91,7 +91,7 @@ def prediction_map(
         )
     if points < 2:
         raise InvalidInput("points", str(points), "at least two delays are required", "Leave it out.")
-    delays = np.linspace(delay / points, delay, points)
+    delays = np.linspace(0.0, delay, points + 1)  # the shade begins where there is no delay
     limits = [
         PredictionLimit(
             predictor_label(predictor),

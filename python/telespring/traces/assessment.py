@@ -216,7 +216,7 @@ def assess_trace(
     records: tuple[RobotRecord | None, RobotRecord | None] = (None, None),
     allow_unusual: bool = False,
 ) -> TraceAssessment:
-    """Find the play-out delay and the stiffness that a recorded trace of a network deserves.
+    """Find the play-out delay and the stiffness that a recorded trace of a network allows.
 
     A session is played over the trace, once round a circle, behind fixed play-outs: a packet in every sample
     period, each with the delay and the fate of the recorded packet that was sent last before it. The ages of
