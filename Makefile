@@ -25,7 +25,7 @@ ifneq ($(VENV_USABLE),yes)
 REMAKE := remake
 endif
 
-.PHONY: help study test link link-static test-link bench-link test-relay wheel check-wheel ros2 test-ros2 lint format verify oracles fuzz bench clean toolchain link-toolchain remake page test-page docs docs-check docs-toolchain
+.PHONY: help study test link link-static test-link bench-link test-relay wheel check-wheel ros2 test-ros2 lint format verify oracles fuzz bench clean toolchain link-toolchain remake page test-page test-page-itself docs docs-check docs-toolchain
 
 help: ## list the targets
 	@sed -n 's/^\([a-z0-9-]*\):.*## \(.*\)/  make \1|\2/p' Makefile | awk -F'|' '{ printf "%-16s %s\n", $$1, $$2 }'
@@ -47,9 +47,12 @@ page: toolchain ## build the page that needs no server, out/page/telespring.html
 	cp out/page/telespring.html python/telespring/assets/telespring.html
 
 # Needs Node.js; what looks at the page needs npm and Chromium. Each says loudly what it lacks.
-test-page: page $(STAMPS)/binding $(STAMPS)/test ## test the page: its core against the native one, and in a browser
+test-page: test-page-itself ## test the page: its core against the native one, and in a browser
+	$(PYTHON_IN_VENV) -m pytest tests/test_page_answers.py tests/test_answer_rule.py tests/test_explore.py
+
+# The part of it that `make test` leaves out: where the page has been built, that runs the files above, too.
+test-page-itself: page $(STAMPS)/binding $(STAMPS)/test
 	cargo test --locked -p telespring-wasm
-	$(PYTHON_IN_VENV) -m pytest tests/test_page_answers.py tests/test_explore.py
 	@command -v npm >/dev/null || echo "SKIPPED: no npm: nobody has looked at the page"
 	! command -v npm >/dev/null || (cd page/test && npm ci --no-audit --no-fund && \
 		TELESPRING="$(CURDIR)/$(VENV)/bin/telespring" node --test)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import http.server
 import json
+import os
 import re
 import shutil
 import subprocess
@@ -14,9 +15,16 @@ from typing import Any
 
 import pytest
 
-__all__ = ["REPORT", "hear", "look", "needs_chromium"]
+__all__ = ["REPORT", "find_chromium", "hear", "look", "needs_chromium"]
 
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+
+def find_chromium() -> str | None:
+    """Return the file that CHROMIUM names, else the first of these on the PATH, as tools/chromium.mjs."""
+    on_the_path = map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))
+    return os.environ.get("CHROMIUM") or next(filter(None, on_the_path), None)
+
+
+CHROMIUM = find_chromium()
 
 needs_chromium = pytest.mark.skipif(
     CHROMIUM is None, reason="NO CHROMIUM HERE: nobody has seen whether it can be read"

@@ -17,10 +17,10 @@ from hypothesis import settings
 from typer.testing import CliRunner
 
 import telespring as ts
-from paper_study import PaperStudy
+from paper_study import HELD, PaperStudy
 from telespring.cli import app
 from telespring.connection.program import find_program
-from telespring.paper import Analysis
+from telespring.paper import Analysis, analyse
 from telespring.references import read_reference
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -79,6 +79,12 @@ def analysis(paper_study: PaperStudy) -> Analysis:
         numbers=json.loads((paper_study.folder / "study.json").read_text(encoding="utf-8")),
         html=(paper_study.folder / "report.html").read_text(encoding="utf-8"),
     )
+
+
+@pytest.fixture(scope="session")
+def held() -> Analysis:
+    """Return what a study finds in which every part of the network counts."""
+    return analyse(ts.Study.from_toml(HELD))
 
 
 @pytest.fixture

@@ -9,15 +9,11 @@ from pathlib import Path
 import pytest
 
 import telespring as ts
-from telespring.decision.decide import (  # private: without the search for changes, most of the time
-    _judge,
-    decide,
-)
+from telespring.decision.decide import decide, decide_case
 from telespring.decision.question import Question
 from telespring.study.robot_file import RobotRecord
 from test_page_answers import needs, on_the_page, random_study
 
-NONE = (None, None)
 MORE = (1.0, 1.02, 1.035, 1.05)
 
 
@@ -97,7 +93,7 @@ def studies(count: int = 40, seed: int = 3) -> list[ts.Study]:
 def test_cross_the_commands_answer_is_that_of_single_verdicts() -> None:
     words = set()
     for study in studies():
-        answer = _judge(Question.of_study(study), study.stiffness, None, None, NONE, NONE, None)
+        answer = decide_case(Question.of_study(study), study.stiffness)
         assert answer.status == expected(study), study.to_toml()
         assert answer.varying is not None or answer.constant_delay_status == at_constant_delay(study)
         words.add(answer.status)

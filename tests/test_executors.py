@@ -20,6 +20,8 @@ from short_rehearsal import study_text
 from short_sweep import OVER, command, guarded, loaded
 from telespring.rehearsal.schedule import schedule_trials
 from telespring.rehearsal.work import prepare_runner, run_trial_anywhere
+from telespring.sweeps.plan import plan_sweep
+from telespring.sweeps.work import SweepWork, identify_sweep, measure_points
 
 
 @contextmanager
@@ -100,6 +102,14 @@ def test_law_a_worker_with_another_build_or_other_files_is_refused() -> None:
     assert run_trial_anywhere(runner.work, trial)[0] == trial
     with pytest.raises(ts.InvalidInput, match="same build"):
         run_trial_anywhere(replace(runner.work, fingerprint="of another build"), trial)
+
+
+def test_law_a_worker_with_another_build_is_refused_in_a_sweep() -> None:
+    plan = plan_sweep(ts.Study.paper(), {"coupling.stiffness": [30.0, 60.0]}, trials=False)
+    work = SweepWork(plan, None, identify_sweep(plan, None).fingerprint)
+    assert measure_points(work, (1,))[0] == (1,)
+    with pytest.raises(ts.InvalidInput, match="same build"):
+        measure_points(replace(work, fingerprint="of another build"), (1,))
 
 
 def test_law_workers_beside_an_executor_are_refused(tmp_path: Path) -> None:

@@ -169,7 +169,7 @@ def test_law_the_delays_of_a_list_have_their_own_ages() -> None:
         own = ts.decide(study.replace(network={"delay": row.delay[0]})).limits
         assert own is not None
         assert row.varying == own.delays[0].varying
-        assert row.ages == own.delays[0].ages
+        assert row.question.ages == own.delays[0].question.ages
     longest = ts.decide(study, 60.0).limits
     assert longest is not None
     assert longest.stiffness is not None

@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 import telespring as ts
-from telespring.decision.decide import _judge  # private: without the search for changes, most of the time
+from telespring.decision.decide import decide_case
 from telespring.decision.question import Question
 from telespring.show.decision_json import decision_json
 
@@ -66,11 +66,11 @@ def random_study(draw: random.Random) -> ts.Study:
 
 
 def native(study: ts.Study) -> dict[str, Any]:
-    """Return the answer of the command for held and for free handles."""
-    question, no_errors = Question.of_study(study), (None, None)
+    """Return the answer of the command for held and for free handles, without the search for changes."""
+    question = Question.of_study(study)
 
     def answer(asked: Question) -> dict[str, Any]:
-        return decision_json(_judge(asked, study.stiffness, None, None, no_errors, no_errors, None))
+        return decision_json(decide_case(asked, study.stiffness))
 
     return {**answer(question), "free": answer(question.released()) if question.is_held else None}
 

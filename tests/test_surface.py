@@ -8,6 +8,7 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import get_overloads
 
 import pytest
 
@@ -59,6 +60,21 @@ def parameters(name: str) -> list[str]:
             found.append("*")
         found.append(parameter.name)
     return found
+
+
+@pytest.mark.parametrize("name", ["compare", "rehearse", "sweep"])
+def test_law_overloads_have_the_arguments_and_defaults_of_their_function(name: str) -> None:
+    """They differ in `shard` and in what is returned; mypy compares the types, but no defaults."""
+    function = getattr(ts, name)
+
+    def arguments(signature: inspect.Signature) -> list[tuple[object, ...]]:
+        found = signature.parameters.values()
+        return [(each.name, each.kind, each.default) for each in found if each.name != "shard"]
+
+    overloads = get_overloads(function)
+    assert len(overloads) == 2
+    for each in overloads:
+        assert arguments(inspect.signature(each)) == arguments(inspect.signature(function))
 
 
 @pytest.mark.parametrize("name", PROMISED)

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from browser import find_chromium
+
 if TYPE_CHECKING:
     from pathlib import Path
 
@@ -127,3 +129,32 @@ def test_law_the_live_program_alone_needs_a_newer_rust(root: Path, machine: Path
     assert sentence.startswith("the live program needs Rust 1.91 or newer and found 1.89")
     program(machine, "rustc", "echo 'rustc 1.91.0'")
     assert check(root, machine, "--link").returncode == 0
+
+
+@pytest.mark.skipif(
+    shutil.which("node") is None, reason="NO NODE.JS HERE: its search for Chromium is untested"
+)
+@pytest.mark.parametrize("named", [None, "", "/opt/chrome"])
+@pytest.mark.parametrize("installed", [(), ("google-chrome", "chromium-browser"), ("google-chrome",)])
+def test_law_all_tests_look_for_the_same_browser(
+    root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, named: str | None, installed: tuple[str, ...]
+) -> None:
+    node = shutil.which("node") or "node"
+    folders = [tmp_path / "first", tmp_path / "second"]
+    for folder in folders:
+        folder.mkdir()
+    for folder, name in zip(
+        folders, installed, strict=False
+    ):  # the order of the names counts, not that of the folders
+        program(folder, name, "exit 0")
+    (folders[0] / "chromium").mkdir()  # a folder is no program
+    monkeypatch.setenv("PATH", os.pathsep.join(map(str, folders)))
+    monkeypatch.delenv("CHROMIUM", raising=False)
+    if named is not None:
+        monkeypatch.setenv("CHROMIUM", named)
+    script = "console.log((await import(process.argv[1])).chromium_file)"
+    asked = [node, "--input-type=module", "-e", script, str(root / "tools" / "chromium.mjs")]
+    answer = subprocess.run(asked, capture_output=True, text=True, check=True, timeout=60).stdout.strip()
+    found = find_chromium()
+    assert answer == ("undefined" if found is None else found)
+    assert found == named if named else found is None or found.endswith(installed[-1])

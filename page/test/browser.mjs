@@ -9,11 +9,11 @@ import { dirname, join } from "node:path";
 import { after, before } from "node:test";
 import { fileURLToPath, pathToFileURL } from "node:url";
 import { chromium } from "playwright-core";
+import { chromium_file } from "../../tools/chromium.mjs";
 
 export const root = join(dirname(fileURLToPath(import.meta.url)), "../..");
 export const page_file = join(root, "out/page/telespring.html");
-const browser_file = [process.env.CHROMIUM, "/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].find((path) => path && existsSync(path));
-const missing = !existsSync(page_file) ? "no out/page/telespring.html: run 'make page'" : !browser_file ? "no Chromium" : null;
+const missing = !existsSync(page_file) ? "no out/page/telespring.html: run 'make page'" : !chromium_file ? "no Chromium" : null;
 const telespring = process.env.TELESPRING?.split(" ") ?? null;
 
 /** What a test needs that looks at the page, and one that compares it with the command line. */
@@ -33,7 +33,7 @@ export function with_browser() {
 }
 
 /** A browser. */
-export const launch = () => chromium.launch({ executablePath: browser_file, args: ["--no-sandbox"] });
+export const launch = () => chromium.launch({ executablePath: chromium_file, args: ["--no-sandbox"] });
 
 /** A page that is ready; every request that would leave it, and every error, is kept. `first` runs in it before anything else. */
 async function open_in(browser, { hash = "", width = 1200, height = 900, first = null, ...options } = {}) {

@@ -147,11 +147,16 @@ __all__ = [
 ]
 
 __version__: Final[str]
+# a stable dyad whose robots have errors is marginal with a smaller probability
 LEAST_PROBABILITY: Final[float]
+# the longest one-way delay that is accepted, s
 LONGEST_DELAY: Final[float]
+# the share of stiffness and of delay that a stable dyad keeps; with less it is marginal
 RESERVE: Final[float]
+# the softest and the stiffest spring that is accepted, N/m
 SOFTEST: Final[float]
 STIFFEST: Final[float]
+# a factor that keeps rounding on the safe side of a limit
 WITHIN: Final[float]
 
 # what a response is of: the dyad, the stiffness (N/m), the delay, the axis

@@ -16,13 +16,12 @@ from rich.console import Console
 from telespring._core import Coupling, Dyad, Network, OperatorRange, Study
 from telespring._errors import InvalidInput
 from telespring._html import table
-from telespring._types import Delay
+from telespring._types import Delay, Status
 from telespring.decision.arm_stability import arm_stability
 from telespring.decision.decide import Decision
 from telespring.decision.decide import decide as judge
 from telespring.decision.limits import COMMON_DELAYS, Limits, limits
 from telespring.decision.question import Question, Texts, refuse_unusual
-from telespring.decision.reserve import Status
 from telespring.show.decision_json import decision_json
 from telespring.show.limits_json import limits_json
 from telespring.show.quantities import format_number, format_time
@@ -113,7 +112,7 @@ class Answer:
     def _is_unjudged(self) -> bool:
         """Whether something about the study is not judged, so that nothing is proven."""
         found = self.decision or (self.limits.delays[0] if self.limits is not None else None)
-        return found is not None and found.ages is not None and bool(found.ages.unjudged)
+        return found is not None and bool(found.question.unjudged)
 
     def to_dict(self) -> dict[str, Any]:
         """Return what `telespring decide --json` prints, in SI units."""

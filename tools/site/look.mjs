@@ -10,6 +10,7 @@ import os from "node:os";
 import path from "node:path";
 import { createRequire } from "node:module";
 import { pathToFileURL } from "node:url";
+import { chromium_file } from "../chromium.mjs";
 
 const require = createRequire(new URL("../../docs/package.json", import.meta.url));
 const { chromium } = require("playwright-core");
@@ -19,10 +20,7 @@ const site = path.resolve(process.argv[2] ?? "out/docs");
 const wanted = process.argv[3] ?? "";
 const shots = process.env.SCREENSHOTS;
 const looks = [["light", 1200], ["dark", 400]];
-const browsers = ["chromium", "chromium-browser", "google-chrome"];
-const executablePath = (process.env.PATH ?? "").split(":")
-  .flatMap(folder => browsers.map(name => path.join(folder, name))).find(fs.existsSync);
-if (!executablePath) {
+if (!chromium_file) {
   console.error("NO CHROMIUM HERE: nobody has seen whether the site can be read");
   process.exit(1);
 }
@@ -80,7 +78,7 @@ async function look(browser, list) {
 
 const begin = performance.now();
 if (shots) fs.mkdirSync(shots, { recursive: true });
-const browser = await chromium.launch({ executablePath, args: ["--no-sandbox"] });
+const browser = await chromium.launch({ executablePath: chromium_file, args: ["--no-sandbox"] });
 const left = [...pages];
 await Promise.all(Array.from({ length: Math.min(4, os.availableParallelism()) }, () => look(browser, left)));
 await browser.close();

@@ -4,6 +4,7 @@
 //! takes flat contiguous arrays and releases the interpreter while it computes.
 
 mod adversary;
+mod agent_function;
 mod architecture;
 mod arguments;
 mod arrays;
@@ -36,7 +37,9 @@ mod simulation;
 mod spectrum;
 mod study;
 mod study_values;
+mod subject;
 mod trace;
+mod trial_outcome;
 mod usual;
 mod verdicts;
 

@@ -1,22 +1,22 @@
 //! The virtual laboratory: single trials, and many at once on all cores.
 
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
+use numpy::{IntoPyArray, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use rayon::prelude::*;
 use telespring::rig::{
-    self, Agent, ConnectedMode, CouplingEnergy, Observation, Record, Row, Schedule, Status, Target, Trial,
+    self, Agent, ConnectedMode, CouplingEnergy, Observation, Record, Row, Schedule, Target, Trial,
     TrialOutcome,
 };
-use telespring::session::playout::Ages;
-use telespring::session::{SessionReport, Span};
 use telespring::{Delay, InvalidInput, quantity};
 
+use crate::agent_function::{AgentFunction, call_agent, refuse_superfluous, refuse_uncallable};
 use crate::arguments::{Argument, DelayChoice, Number, hash, rows, written};
 use crate::errors::{Failure, Outcome};
 use crate::interrupt::in_parallel;
 use crate::model::Dyad;
 use crate::recording::{Recording, Recordings};
+use crate::trial_outcome::{ended, times, told_by_sides};
 
 /// A virtual laboratory: two robots in two arms, their agents, a target and a network, in virtual time.
 ///
@@ -52,9 +52,6 @@ impl Laboratory {
         Ok(Self { inner, source: Source::Study(study.to_toml(), traces) })
     }
 }
-
-/// A function of the caller: the force of an agent from time, position, velocity and target.
-type AgentFunction = Py<PyAny>;
 
 #[pymethods]
 impl Laboratory {
@@ -566,86 +563,4 @@ fn check_rows(rows: usize, trials: usize) -> telespring::Result<()> {
         format!("all trials together keep at most {MOST} rows"),
         "Run shorter or fewer trials, or keep fewer rows per second.",
     ))
-}
-
-/// The refusal of a laboratory's agent that is no function.
-fn refuse_uncallable(side: usize, text: String) -> InvalidInput {
-    InvalidInput::new(
-        format!("agents[{side}]"),
-        text,
-        "an agent is None or callable",
-        "Pass a function of time, position, velocity and target that returns the force.",
-    )
-}
-
-/// The refusal of a function for an agent of the laboratory that is not external.
-fn refuse_superfluous(side: usize) -> InvalidInput {
-    let number = side + 1;
-    InvalidInput::new(
-        format!("agents[{side}]"),
-        "a function",
-        format!("agent {number} of this laboratory is not an external one"),
-        format!("Choose kind = \"python\" in [agent{number}], or pass None."),
-    )
-}
-
-/// The force that the agent's function returns, or its exception.
-fn call_agent(program: &AgentFunction, seen: &Observation) -> Outcome<[f64; 2]> {
-    Python::attach(|py| {
-        let vector = |values: [f64; 2]| PyArray1::from_slice(py, &values);
-        let arguments = (seen.time, vector(seen.position), vector(seen.velocity), vector(seen.target));
-        let answer = program.call1(py, arguments)?;
-        match answer.extract::<Argument<[f64; 2]>>(py) {
-            Ok(Argument::Given(force)) => Ok(force),
-            Ok(Argument::Other(text)) => Err(InvalidInput::new(
-                "agents",
-                text,
-                format!("at {} s the agent's force must be two numbers, in N along x and y", seen.time),
-                "Return an array or a pair of two floats.",
-            )
-            .into()),
-            Err(never) => match never {},
-        }
-    })
-}
-
-/// The recorded instants of a laboratory's trial as an array, s.
-fn times<'py>(
-    py: Python<'py>,
-    schedule: &Schedule,
-    rows: usize,
-    sample_period: f64,
-) -> Bound<'py, PyArray1<f64>> {
-    (0..rows).map(|row| schedule.time(row, sample_period)).collect::<Vec<_>>().into_pyarray(py)
-}
-
-/// What both sides tell of a laboratory's trial, per robot, in the order of the attributes of `Recording`; NaN where
-/// nothing can be said.
-fn told_by_sides(outcome: &TrialOutcome) -> [[f64; 2]; 9] {
-    let Some(sessions) = &outcome.sessions else { return [[f64::NAN; 2]; 9] };
-    let of = |value: fn(&SessionReport) -> f64| sessions.each_ref().map(value);
-    let age = |of: fn(&Ages) -> Span| {
-        sessions.each_ref().map(|side| side.playout.ages.as_ref().map_or(f64::NAN, |ages| of(ages).seconds()))
-    };
-    [
-        of(|side| side.strategy.limited_ticks as f64 / side.strategy.ticks as f64),
-        of(|side| if side.strategy.ticks == 0 { f64::NAN } else { side.strategy.withheld }),
-        of(|side| side.strategy.given_out),
-        of(|side| side.strategy.energy_sent),
-        age(|ages| ages.mean),
-        age(|ages| ages.smallest),
-        age(|ages| ages.largest),
-        of(|side| side.playout.held_ticks as f64 / side.playout.ticks as f64),
-        of(|side| side.playout.lost as f64),
-    ]
-}
-
-/// The status of a laboratory's trial by its name, and the time (s) of an early end.
-fn ended(outcome: &TrialOutcome) -> (&'static str, Option<f64>) {
-    match outcome.status {
-        Status::Diverged { at } => ("diverged", Some(at)),
-        Status::OutOfReach { at } => ("out of reach", Some(at)),
-        Status::TooStiff { at } => ("too stiff", Some(at)),
-        _ => ("completed", None),
-    }
 }

@@ -7,10 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from telespring._core import usual_range
+from telespring._core import RESERVE, STIFFEST, WITHIN, constant_delay, is_stable, is_within, usual_range
 from telespring.decision.bisection import largest_usable
-from telespring.decision.question import STIFFEST, Question, constant_delay, is_stable, is_within
-from telespring.decision.reserve import RESERVE, WITHIN
+from telespring.decision.question import Question
 from telespring.decision.usable import (
     SOFTEST_USUAL,
     STIFFEST_USUAL,

@@ -10,23 +10,15 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from telespring import _core
+from telespring._core import constant_delay, is_axis_stable, is_instability_proven, is_stable, stiffness_limit
 from telespring._html import table
+from telespring._types import Status
 from telespring.decision.changes import Changes, Guarantee, find_changes, find_guarantees
-from telespring.decision.question import (
-    Question,
-    are_axes_independent,
-    constant_delay,
-    constant_delay_tier,
-    is_axis_stable,
-    is_instability_proven,
-    is_stable,
-    stiffness_limit,
-)
-from telespring.decision.reserve import Status
+from telespring.decision.question import Question, are_axes_independent, constant_delay_tier
 from telespring.decision.uncertainty import MarginUncertainty, RobotUncertainty, margin_uncertainty
 from telespring.decision.usable import RobotErrors
 from telespring.decision.varying_delay import VaryingDelay, limit_with_errors
-from telespring.model import DyadAxis, JudgedNetwork, Network
+from telespring.model import DyadAxis
 from telespring.theory.criteria import Crossing, decay_stiffness
 from telespring.theory.verdicts import AxisVerdict, OperatorPoint, Tier, Verdicts
 
@@ -34,7 +26,7 @@ if TYPE_CHECKING:
     from telespring.decision.arm_stability import ArmStability
     from telespring.study.robot_file import RobotRecord
 
-__all__ = ["AxisDecision", "Decision", "OperatorMargins", "decide"]
+__all__ = ["AxisDecision", "Decision", "OperatorMargins", "decide", "decide_case"]
 
 
 @dataclass(frozen=True)
@@ -216,8 +208,8 @@ class Decision:
     def status(self) -> Status:
         """The answer in one word: "stable", "marginal", "unstable" or "not proven".
 
-        A playout buffer that nobody promised does not count. Where something is not judged (`ages.unjudged`),
-        nothing is proven.
+        A playout buffer that nobody promised does not count. Where something is not judged
+        (`question.unjudged`), nothing is proven.
         """
         return self.answer.status
 
@@ -298,16 +290,6 @@ class Decision:
         return self.question.has_playout_buffer
 
     @property
-    def ages(self) -> JudgedNetwork | None:
-        """What the study's network and session make of the ages in use; None without a study."""
-        return self.question.ages
-
-    @property
-    def stated(self) -> Network | None:
-        """The network as the study states it; None without a study."""
-        return self.question.stated
-
-    @property
     def stiffness(self) -> float:
         """The stiffness in question, N/m."""
         return self.verdicts.stiffness
@@ -315,7 +297,7 @@ class Decision:
     @property
     def delay(self) -> tuple[float, float]:
         """Forward and backward one-way delay of the network, s, as stated."""
-        return (self.stated or self.verdicts.network).delay
+        return self.question.network_as_stated.delay
 
     @property
     def constant_delay(self) -> tuple[float, float]:
@@ -434,11 +416,26 @@ def decide(
     >>> [decide(question, k).status for k in (71.2, 97.0, 110.0)]
     ['stable', 'marginal', 'unstable']
     """
-    decision = _judge(question, stiffness, horizon, decay_rate, uncertainty, records, attack_seed)
+    decision = decide_case(
+        question,
+        stiffness,
+        horizon=horizon,
+        decay_rate=decay_rate,
+        uncertainty=uncertainty,
+        records=records,
+        attack_seed=attack_seed,
+    )
     cases = [question]
     if compare_free and question.is_held:
         cases.append(question.released())
-        free = _judge(cases[1], stiffness, decision.horizon, None, uncertainty, records, attack_seed)
+        free = decide_case(
+            cases[1],
+            stiffness,
+            horizon=decision.horizon,
+            uncertainty=uncertainty,
+            records=records,
+            attack_seed=attack_seed,
+        )
         decision = replace(decision, free=free)
     errors = RobotErrors.of(uncertainty, records)
     answers = [each for each in (decision, decision.free) if each is not None]
@@ -449,16 +446,20 @@ def decide(
     return replace(decision, changes=find_changes(cases, stiffness, errors))
 
 
-def _judge(
+def decide_case(
     question: Question,
     stiffness: float,
-    horizon: float | None,
-    decay_rate: float | None,
-    uncertainty: tuple[RobotUncertainty | None, RobotUncertainty | None],
-    records: tuple[RobotRecord | None, RobotRecord | None],
-    attack_seed: int | None,
+    *,
+    horizon: float | None = None,
+    decay_rate: float | None = None,
+    uncertainty: tuple[RobotUncertainty | None, RobotUncertainty | None] = (None, None),
+    records: tuple[RobotRecord | None, RobotRecord | None] = (None, None),
+    attack_seed: int | None = None,
 ) -> Decision:
-    """Judge a stiffness for one way of holding the handles."""
+    """Judge a stiffness for one way of holding the handles, without what to change, which takes longest.
+
+    Everything is as for `decide`.
+    """
     # Without jitter and gaps nothing varies that could attack.
     seed = None if question.network.is_constant or not question.is_bounded else attack_seed
     # Checks every value before anything is derived from it.

@@ -7,17 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from telespring._core import LONGEST_DELAY, RESERVE, SOFTEST, STIFFEST, constant_delay, stiffness_limit
 from telespring.decision.bisection import largest_usable
-from telespring.decision.question import (
-    LONGEST_DELAY,
-    SOFTEST,
-    STIFFEST,
-    Question,
-    are_axes_independent,
-    constant_delay,
-    stiffness_limit,
-)
-from telespring.decision.reserve import RESERVE
+from telespring.decision.question import Question, are_axes_independent
 from telespring.decision.uncertainty import RobotUncertainty
 from telespring.decision.usable import (
     RobotErrors,
@@ -28,7 +20,6 @@ from telespring.decision.usable import (
     recommended_stiffness,
 )
 from telespring.decision.varying_delay import VaryingDelay, usable_delay_while_varying, varying_delay
-from telespring.model import JudgedNetwork, Network
 from telespring.theory.verdicts import Verdicts
 
 if TYPE_CHECKING:
@@ -74,19 +65,9 @@ class DelayLimits:
     varying: VaryingDelay | None = None
 
     @property
-    def ages(self) -> JudgedNetwork | None:
-        """What the study's network and session make of the ages in use; None without a study."""
-        return self.question.ages
-
-    @property
-    def stated(self) -> Network | None:
-        """The network as the study states it; None without a study."""
-        return self.question.stated
-
-    @property
     def delay(self) -> tuple[float, float]:
         """Forward and backward one-way delay of the network, s, as stated."""
-        return (self.stated or self.verdicts.network).delay
+        return self.question.network_as_stated.delay
 
     @property
     def constant_delay(self) -> tuple[float, float]:

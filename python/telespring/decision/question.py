@@ -9,20 +9,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from telespring import _core
-from telespring._core import (
-    LONGEST_DELAY,
-    SOFTEST,
-    STIFFEST,
-    JudgedNetwork,
-    check_usual,
-    constant_delay,
-    is_axis_stable,
-    is_instability_proven,
-    is_stable,
-    is_within,
-    stiffness_limit,
-    tier_stiffness_limit,
-)
+from telespring._core import JudgedNetwork, check_usual
 from telespring.model import Dyad, Network, Operator, OperatorRange, Study
 from telespring.theory.verdicts import AxisTier, AxisVerdict, DelayLimit, Verdicts, verdicts
 
@@ -30,23 +17,7 @@ if TYPE_CHECKING:
     from telespring._types import Delay
     from telespring.study.robot_file import RobotRecord
 
-__all__ = [
-    "LONGEST_DELAY",
-    "SOFTEST",
-    "STIFFEST",
-    "Question",
-    "Texts",
-    "are_axes_independent",
-    "constant_delay",
-    "constant_delay_tier",
-    "is_axis_stable",
-    "is_instability_proven",
-    "is_stable",
-    "is_within",
-    "refuse_unusual",
-    "stiffness_limit",
-    "tier_stiffness_limit",
-]
+__all__ = ["Question", "Texts", "are_axes_independent", "constant_delay_tier", "refuse_unusual"]
 
 #: The content of recorded traces, forward and backward.
 Texts: TypeAlias = tuple[str | None, str | None]
@@ -182,6 +153,11 @@ class Question:
     def is_as_stated(self) -> bool:
         """Whether delay, jitter and gap are all that makes the ages: a playout buffer takes them up."""
         return self.core.is_as_stated
+
+    @property
+    def network_as_stated(self) -> Network:
+        """The network as the study states it; without a study the one in question."""
+        return self.network if self.stated is None else self.stated
 
     @property
     def unjudged(self) -> tuple[str, ...]:

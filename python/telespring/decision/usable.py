@@ -5,9 +5,8 @@ from __future__ import annotations
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from typing import TYPE_CHECKING, NamedTuple
 
-from telespring._core import usual_range
-from telespring.decision.question import Question, are_axes_independent, constant_delay, stiffness_limit
-from telespring.decision.reserve import LEAST_PROBABILITY, RESERVE, WITHIN
+from telespring._core import LEAST_PROBABILITY, RESERVE, WITHIN, constant_delay, stiffness_limit, usual_range
+from telespring.decision.question import Question, are_axes_independent
 from telespring.decision.uncertainty import RobotUncertainty, stable_probability
 
 if TYPE_CHECKING:

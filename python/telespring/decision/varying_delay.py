@@ -12,10 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from telespring._core import Knowledge, VaryingDelay
+from telespring._core import LEAST_PROBABILITY, RESERVE, STIFFEST, Knowledge, VaryingDelay
 from telespring.decision.bisection import largest_usable
-from telespring.decision.question import STIFFEST
-from telespring.decision.reserve import LEAST_PROBABILITY, RESERVE
 from telespring.model import Dyad, Operator, OperatorRange, Robot
 
 if TYPE_CHECKING:

@@ -23,6 +23,7 @@ __all__ = [
     "TrialRunner",
     "prepare_runner",
     "require_experiment",
+    "require_same_work",
     "run_trial_anywhere",
     "runner_of",
 ]
@@ -171,6 +172,17 @@ def prepare_runner(study: Study, modules: Path | None) -> TrialRunner:
     )
 
 
+def require_same_work(own: str, expected: str) -> None:
+    """Refuse to work where another build or other files would give other numbers: compare fingerprints."""
+    if own != expected:
+        raise InvalidInput(
+            "executor",
+            core_version(),
+            "every worker needs the same build of telespring and the same files beside the study",
+            "Install the same wheel everywhere, and start the workers again after a file has changed.",
+        )
+
+
 #: A worker may have several threads, and user code is loaded by one at a time.
 _LOADING = Lock()
 
@@ -178,13 +190,7 @@ _LOADING = Lock()
 @lru_cache(maxsize=8)
 def _runner_of(work: RehearsalWork) -> TrialRunner:
     runner = prepare_runner(work.study, None if work.modules is None else Path(work.modules))
-    if runner.identity.fingerprint != work.fingerprint:
-        raise InvalidInput(
-            "executor",
-            core_version(),
-            "every worker needs the same build of telespring and the same files beside the study",
-            "Install the same wheel everywhere, and start the workers again after a file has changed.",
-        )
+    require_same_work(runner.identity.fingerprint, work.fingerprint)
     return runner
 
 

@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from telespring._core import RESERVE, tier_stiffness_limit
 from telespring._json import finite_or_none
 from telespring.decision.arm_stability import ArmStability
 from telespring.decision.changes import Changes
 from telespring.decision.decide import AxisDecision, Decision
 from telespring.decision.limits import DelayLimits
-from telespring.decision.question import tier_stiffness_limit
-from telespring.decision.reserve import RESERVE
 from telespring.decision.uncertainty import AxisUncertainty, MarginUncertainty
 from telespring.decision.varying_delay import VaryingDelay
 from telespring.show.screens.ages import ages_notes
@@ -98,7 +97,7 @@ def decision_json(decision: Decision) -> dict[str, Any]:
         },
         "uncertainty": None if decision.uncertainty is None else uncertainty_json(decision.uncertainty),
         "axes_independent": decision.axes_independent,
-        "warnings": [*ages_notes(decision.ages, decision.stated), *robot_notes(decision)],
+        "warnings": [*ages_notes(decision.question.ages, decision.question.stated), *robot_notes(decision)],
         "free": None if decision.free is None else decision_json(decision.free),
         "in_arms": None if decision.arms is None else arm_stability_json(decision.arms),
     }
@@ -112,14 +111,13 @@ def _stiffness_allowed(decision: Decision) -> StiffnessAllowed | None:
 
 def network_json(found: Decision | DelayLimits) -> dict[str, Any]:
     """Return `network` of `telespring decide --json`: as stated, and what of it was judged."""
-    ages = found.ages
-    if ages is None:
-        return {"stated": found.verdicts.network.to_dict(), "judged": None}
-    assert found.stated is not None  # it comes with the ages
-    is_all_stated = ages.is_as_stated and not (
-        ages.sources or ages.unjudged or ages.has_computing_tick or ages.is_guard_predicted
+    ages = found.question.ages
+    is_all_stated = ages is None or (
+        ages.is_as_stated
+        and not (ages.sources or ages.unjudged or ages.has_computing_tick or ages.is_guard_predicted)
     )
-    return {"stated": found.stated.to_dict(), "judged": None if is_all_stated else ages.to_dict()}
+    judged = None if ages is None or is_all_stated else ages.to_dict()
+    return {"stated": found.question.network_as_stated.to_dict(), "judged": judged}
 
 
 def _changes_json(changes: Changes) -> dict[str, Any]:

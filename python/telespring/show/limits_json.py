@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from telespring._core import LEAST_PROBABILITY, RESERVE
 from telespring._json import finite_or_none
 from telespring.decision.limits import DelayLimits, Limits
-from telespring.decision.reserve import LEAST_PROBABILITY, RESERVE
 from telespring.show.decision_json import network_json, sampled_bound_json, varying_json
 from telespring.show.screens.ages import ages_notes
 from telespring.show.screens.robots import robot_notes
@@ -18,17 +18,17 @@ __all__ = ["limits_json"]
 
 def limits_json(found: Limits) -> dict[str, Any]:
     """Return what `docs/study-json.md` lists for limits."""
-    given = found.stiffness
+    given, first = found.stiffness, found.delays[0].question
     return {
         "question": "limits",
         "reserve": RESERVE,
         "is_delay_given": found.is_delay_given,
-        "sample_period": found.delays[0].verdicts.network.sample_period,
+        "sample_period": first.network.sample_period,
         "over_operator_ranges": found.over_operator_ranges,
         "least_probability": LEAST_PROBABILITY if found.robots_have_errors else None,
         "axes_independent": found.axes_independent,
         "warnings": [
-            *ages_notes(found.delays[0].ages, found.delays[0].stated, is_delay_given=found.is_delay_given),
+            *ages_notes(first.ages, first.stated, is_delay_given=found.is_delay_given),
             *robot_notes(found),
         ],
         "playout_buffer": found.has_playout_buffer,

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from telespring._core import Experiment, Recording, Study, Verdicts
+from telespring._core import Experiment, Recording, Study, Verdicts, is_stable
 from telespring._types import FloatArray, Tier
-from telespring.decision.question import Question, is_stable
+from telespring.decision.question import Question
 from telespring.rehearsal.encoding import REPORTS, SIDE_REPORTS, STATUSES, Report
 from telespring.rehearsal.traces import RecordedTraces
 from telespring.sweeps.guard_law import guard_spare

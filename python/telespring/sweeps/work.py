@@ -10,12 +10,11 @@ from threading import Lock
 import numpy as np
 
 from telespring._core import Study
-from telespring._errors import InvalidInput
 from telespring._types import FloatArray
 from telespring.rehearsal.identity import core_version
 from telespring.rehearsal.traces import read_traces
 from telespring.rehearsal.user_code import load_user_code
-from telespring.rehearsal.work import TrialRunner, prepare_runner
+from telespring.rehearsal.work import TrialRunner, prepare_runner, require_same_work
 from telespring.sweeps.guard_law import law_stride
 from telespring.sweeps.measures import point_row, trial_row
 from telespring.sweeps.plan import SweepPlan
@@ -86,14 +85,8 @@ _LOADING = Lock()
 
 @cache
 def _check(work: SweepWork) -> None:
-    """Refuse to work where another build or other files would give other numbers."""
-    if identify_sweep(work.plan, work.folder).fingerprint != work.fingerprint:
-        raise InvalidInput(
-            "executor",
-            core_version(),
-            "every worker needs the same build of telespring and the same files beside the study",
-            "Install the same wheel everywhere, and start the workers again after a file has changed.",
-        )
+    """Refuse what `require_same_work` refuses, once for a sweep."""
+    require_same_work(identify_sweep(work.plan, work.folder).fingerprint, work.fingerprint)
 
 
 @lru_cache(maxsize=8)

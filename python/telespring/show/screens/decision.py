@@ -55,7 +55,7 @@ def decision_screen(
 
 
 def _question(decision: Decision, heading: Sequence[str], held: str, notes: Sequence[str]) -> Text:
-    network = decision.stated or decision.verdicts.network
+    network = decision.question.network_as_stated
     asked = f"{format_number(decision.stiffness, 6)} N/m over {network_clause(network)}, "
     asked += f"{sampling_clause(network.sample_period)}{free_clause(held)}"
     text = Text("\n".join([*heading, asked]), style="bold")

@@ -6,8 +6,9 @@ import math
 
 from rich.text import Text
 
+from telespring._core import LEAST_PROBABILITY, RESERVE
+from telespring._types import Status
 from telespring.decision.decide import Decision
-from telespring.decision.reserve import LEAST_PROBABILITY, RESERVE, Status
 from telespring.show.quantities import (
     format_doubling_time,
     format_number,
@@ -62,7 +63,7 @@ def _varying_delay_answer(decision: Decision) -> Text:
     assert varying is not None
     status = decision.status
     word, style = _WORDS[status]
-    if decision.ages is not None and decision.ages.unjudged:
+    if decision.question.unjudged:
         return Text.assemble((word, style), ": something about it is not judged, as said above.")
     if not decision.is_bounded:
         return Text.assemble((word, style), _unbounded(decision))
@@ -112,7 +113,7 @@ def _percent(share: float) -> str:
 def _constant_delay_answer(decision: Decision) -> Text:
     status = decision.constant_delay_status
     word, style = _WORDS[status]
-    if decision.ages is not None and decision.ages.unjudged:
+    if decision.question.unjudged:
         word, style = _WORDS["not proven"]
         return Text.assemble((word, style), ": something about it is not judged, as said above.")
     where = "at this constant delay"

@@ -5,9 +5,9 @@ from __future__ import annotations
 from rich.padding import Padding
 from rich.text import Text
 
+from telespring._core import LEAST_PROBABILITY
 from telespring.decision.changes import WIDER_TIERS, Changes
 from telespring.decision.decide import Decision
-from telespring.decision.reserve import LEAST_PROBABILITY
 from telespring.show.quantities import format_number, format_stiffness, format_time
 from telespring.show.screens.questions import delay_clause, given_delay
 
@@ -16,7 +16,7 @@ __all__ = ["suggested_changes"]
 
 def suggested_changes(decision: Decision) -> Padding:
     """List the changes that make an answer STABLE, or what is stable on more networks."""
-    if decision.ages is not None and decision.ages.unjudged:
+    if decision.question.unjudged:
         title = "What to change is not known: not all of the study is judged."
         return Padding(Text(title, style="bold"), (1, 0, 0, 0))
     if decision.changes is not None:

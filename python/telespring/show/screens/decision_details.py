@@ -150,7 +150,7 @@ def _format_stable_delays(axis: AxisDecision) -> str:
 
 def _describe_delay_budget(decision: Decision) -> Padding:
     forward, backward = decision.verdicts.delay_budget
-    judged = None if decision.is_as_stated else decision.ages
+    judged = None if decision.is_as_stated else decision.question.ages
     if forward == backward:
         lines = [_delay_budget_line("each way", forward, judged)]
     else:

@@ -9,8 +9,8 @@ from rich.console import Group, RenderableType
 from rich.padding import Padding
 from rich.text import Text
 
+from telespring._core import LEAST_PROBABILITY, RESERVE
 from telespring.decision.limits import DelayLimits, Limits, StiffnessLimits
-from telespring.decision.reserve import LEAST_PROBABILITY, RESERVE
 from telespring.decision.usable import LONGEST_USUAL_DELAY, STIFFEST_USUAL, recommended_stiffness
 from telespring.decision.varying_delay import VaryingDelay
 from telespring.show.quantities import format_number, format_stiffness, format_time
@@ -56,7 +56,7 @@ def limits_screen(
     `heading` names the study and its robots, `held` says what holds the handles (empty if they are free), and
     `notes` say how the question was understood.
     """
-    network = found.delays[0].stated or found.delays[0].verdicts.network
+    network = found.delays[0].question.network_as_stated
     sampling = sampling_clause(network.sample_period) + free_clause(held)
     if found.is_delay_given:
         asked = f"{network_clause(network)}, {sampling}"
@@ -99,10 +99,10 @@ def _usable(found: Limits, held: str) -> list[Text]:
             without = None if row.varying is None else _usable_while_varying(row.varying, kept)
         else:
             continue
-        if row.ages is not None and row.ages.unjudged:
+        if row.question.unjudged:
             lines += answers_by_buffer(name, _NOT_JUDGED, None, is_promised=True)
             continue
-        if without is not None and row.ages is not None and not row.ages.is_as_stated:
+        if without is not None and not row.question.is_as_stated:
             lines += answers_by_buffer(name, without, None, is_promised=True)
             continue
         lines += answers_by_buffer(
@@ -244,8 +244,7 @@ def _delay_tables(found: Limits) -> list[RenderableType]:
     varies = found.delays[0].varying is not None
     if found.free is None:
         return [_delay_table(found)]
-    ages = found.delays[0].ages
-    if not varies or found.has_playout_buffer or not (ages is None or ages.is_as_stated):
+    if not varies or found.has_playout_buffer or not found.delays[0].question.is_as_stated:
         return [_hand_table(found.free, found, "", is_buffered=True)]
     return [
         _hand_table(found.free, found, "Without a playout buffer", is_buffered=False),
@@ -254,9 +253,9 @@ def _delay_tables(found: Limits) -> list[RenderableType]:
 
 
 def _usable_of(row: DelayLimits, *, is_buffered: bool) -> float:
-    if row.ages is not None and row.ages.unjudged:
+    if row.question.unjudged:
         return 0.0
-    is_buffered = is_buffered and (row.ages is None or row.ages.is_as_stated)
+    is_buffered = is_buffered and row.question.is_as_stated
     return row.usable_stiffness if is_buffered or row.varying is None else row.varying.usable_stiffness
 
 
@@ -285,7 +284,7 @@ def _hand_table(free: Limits, held: Limits, title: str, *, is_buffered: bool) ->
 def _delay_table(found: Limits) -> Fitting:
     first = found.delays[0]
     varies = first.varying is not None and not found.has_playout_buffer
-    has_choice = varies and (first.ages is None or first.ages.is_as_stated)
+    has_choice = varies and first.question.is_as_stated
     rows: list[tuple[str, ...]] = []
     for row in found.delays:
         usable = _usable_cell(_usable_of(row, is_buffered=True))

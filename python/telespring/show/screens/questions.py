@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rich.text import Text
 
+from telespring._core import is_stable, stiffness_limit
 from telespring.decision.changes import WIDER_TIERS
-from telespring.decision.question import Question, is_stable, stiffness_limit
+from telespring.decision.question import Question
 from telespring.model import Architecture, Dyad, Network, Operator, Robot
 from telespring.show.quantities import format_number, format_stiffness, format_time
 from telespring.theory.verdicts import Verdict, Verdicts

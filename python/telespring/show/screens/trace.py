@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from telespring.decision.reserve import RESERVE
+from telespring._core import RESERVE
 from telespring.show.quantities import format_count, format_number, format_stiffness, format_time
 from telespring.show.screens.layout import fitting_table
 from telespring.traces.playouts import MOSTLY

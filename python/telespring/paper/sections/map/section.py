@@ -7,10 +7,11 @@ from dataclasses import asdict
 
 import numpy as np
 
+from telespring._core import LONGEST_DELAY, STIFFEST
 from telespring._json import finite_or_none
 from telespring._types import FloatArray
 from telespring.decision.decide import decide
-from telespring.decision.question import LONGEST_DELAY, STIFFEST, Question
+from telespring.decision.question import Question
 from telespring.model import Network, Study
 from telespring.paper.published import EXPERIMENT_DELAYS, EXPERIMENT_STIFFNESSES
 from telespring.paper.reference import MAP_POINTS, MAP_WIDTH, classify

@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from telespring._core import RESERVE, is_stable
 from telespring._json import finite_or_none
 from telespring.decision.arm_stability import arm_stability
 from telespring.decision.decide import decide
-from telespring.decision.question import Question, is_stable
-from telespring.decision.reserve import RESERVE
+from telespring.decision.question import Question
 from telespring.model import Study
 from telespring.rehearsal.traces import read_traces
 from telespring.show.decision_json import arm_stability_json, varying_json
@@ -47,7 +47,7 @@ def answer_study(study: Study, modules: Path | None = None) -> dict[str, Any]:
         "varying_delay": varying_json(decision.varying),
         "is_as_stated": decision.is_as_stated,
         "is_judged": not question.unjudged,
-        "ages_notes": [*session_notes(study.session), *ages_notes(decision.ages, decision.stated)],
+        "ages_notes": [*session_notes(study.session), *ages_notes(question.ages, question.stated)],
         "sample_period": study.network.sample_period,
         "reserve": RESERVE,
         "stiffness_limit": finite_or_none(decision.stiffness_limit),
