@@ -476,6 +476,29 @@ fn law_the_end_of_a_range_of_delays_counts_as_that_delay_alone() {
     assert_eq!(answers, [true, true, true, false, false, false]);
 }
 
+/// A limit is attained where the dyad is stable at it, on all axes: also a limit of no delay.
+#[test]
+fn law_a_limit_is_attained_where_it_is_stable() {
+    let robot = |scale: f64| Robot::new(vec![0.8, 0.8 * scale], vec![5.0, 5.0 * scale], None).unwrap();
+    let network = |delay: f64| Network::new(Delay::each_way(delay).unwrap(), 0.0, 0.0, 0.001, 0.0).unwrap();
+    let mut found = std::collections::BTreeSet::new();
+    for scale in [0.6, 1.0, 3.0] {
+        let dyad = Dyad::new(robot(scale), robot(scale), None, 0.0).unwrap();
+        for step in 0..=60 {
+            let k = 50.0 * 10f64.powf(f64::from(step) / 12.0);
+            let limit = delay_limit(&dyad, None, k, &network(0.05)).unwrap();
+            let is_stable = (0..2).all(|at| {
+                sampled_spectral_radius(&dyad.axis(at).unwrap(), k, &network(limit.delay))
+                    .unwrap()
+                    .is_stable()
+            });
+            assert_eq!(limit.attained, is_stable, "{k} N/m, scale {scale}, {limit:?}");
+            found.insert((limit.delay > 0.0, limit.attained));
+        }
+    }
+    assert_eq!(found.into_iter().collect::<Vec<_>>(), [(false, false), (false, true), (true, true)]);
+}
+
 /// The worst operators of a range have its ends, or values apart from them: no remainder of a subtraction.
 #[test]
 fn law_the_worst_operators_have_the_ends_of_their_range() {

@@ -79,6 +79,12 @@ fn continuous_limit(region: &OperatorBox, k: f64) -> Result<AxisLimit> {
     Ok(AxisLimit { delay, least_found, is_finished: first.is_finished && is_tight(delay, least_found) })
 }
 
+/// Whether the middle of a region is stable under sampled controllers without any delay.
+fn is_stable_at_once(region: &OperatorBox, network: &Network, k: f64) -> Result<bool> {
+    let immediate = network.with_delay(Delay::each_way(0.0)?);
+    Ok(sampled_spectral_radius(&region.axis(&region.middle()), k, &immediate)?.is_stable())
+}
+
 /// The limit of one axis under sampled controllers.
 ///
 /// Over a range no root crosses while the round trip grows as a real number, so that all whole numbers of periods have the
@@ -89,9 +95,7 @@ fn sampled_limit(region: &OperatorBox, network: &Network, k: f64) -> Result<Axis
     }
     let h = network.sample_period();
     let family = region.sampled_family(network);
-    let immediate = network.with_delay(Delay::each_way(0.0)?);
-    let is_stable_at_once =
-        sampled_spectral_radius(&region.axis(&region.middle()), k, &immediate)?.is_stable();
+    let is_stable_at_once = is_stable_at_once(region, network, k)?;
     if is_stable_at_once && family.crossing(k, None) == Crossing::Excluded {
         return Ok(AxisLimit::exact(f64::INFINITY));
     }
@@ -155,11 +159,18 @@ pub fn delay_limit(
         let axis = if is_sampled { continuous.min(sampled_limit(&region, network, k)?) } else { continuous };
         worst.proven &= axis.is_finished;
         worst.least_found = worst.least_found.min(axis.least_found);
-        if axis.delay < worst.delay {
-            worst.delay = axis.delay;
-            worst.worst_axis = index;
-            worst.attained = is_sampled && axis.delay < continuous_end;
+        if axis.delay == f64::INFINITY || axis.delay > worst.delay {
+            continue;
         }
+        let is_attained = is_sampled
+            && axis.delay < continuous_end
+            // no delay at all may be too long, too
+            && (axis.delay > 0.0 || is_stable_at_once(&region, network, k)?);
+        if axis.delay == worst.delay {
+            worst.attained &= is_attained;
+            continue;
+        }
+        (worst.delay, worst.attained, worst.worst_axis) = (axis.delay, is_attained, index);
     }
     Ok(worst)
 }

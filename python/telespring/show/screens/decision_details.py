@@ -88,7 +88,8 @@ def _sampled_margin(decision: Decision) -> list[Text]:
     if math.isinf(end):
         return [Text(f"{judged}no constant delay destabilises it.")]
     if end == 0.0:
-        return [Text(f"{judged}no delay is stable.")]
+        only = "only a coupling without delay" if decision.delay_limit_attained else "no delay"
+        return [Text(f"{judged}{only} is stable.")]
     within = "up to" if decision.delay_limit_attained else "below"
     which = "a delay" if decision.delay[0] == decision.delay[1] else "a delay, the mean of both ways,"
     return [Text(f"{judged}{which} {within} {format_time(end, rounding='down')} is stable.")]
