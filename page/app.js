@@ -29,8 +29,9 @@ export function runPage(engine, attackAt, { first, tell, isInside }) {
   const message = createMessage(part("message"));
 
   /** Takes a study with changes, if the core accepts it; the answer is shown at once. */
-  const take = (study, changes = "") => {
+  const take = (study, changes = "", isOther = false) => {
     Object.assign(state, judged(engine, study, changes));
+    if (isOther) controls.forget();
     showAnswer(part("answer"), state.values, state.answer);
     controls.show(state.values);
     part("command").textContent = decideCommand(state.values);
@@ -78,8 +79,7 @@ export function runPage(engine, attackAt, { first, tell, isInside }) {
   };
   /** Opens another study; the browser's way back leads to the one before, unless that is where it comes from. */
   const open = (study, changes = "", keep = state.study ? "pushState" : "replaceState") => {
-    controls.forget();
-    if (refusalOf(() => take(study, changes))) return false;
+    if (refusalOf(() => take(study, changes, true))) return false;
     region.forget();
     settle(keep);
     if (state.assumed.length) message.say(`The study leaves open ${state.assumed.join(" and ")}.`);

@@ -67,15 +67,15 @@ function control(definition, { change, refuse, settle }) {
     tell(refusal, refusal !== "");
   };
   const back = () => change(definition.toml(before, definition.of(before)));
-  const done = () => {
+  const done = ({ target }) => {
     if (before === null || !number.isConnected) return;
     const text = refusal;
     if (text) back();
     before = null;
     refusal = "";
     write();
+    if (text || target !== slider) place();
     if (text) {
-      place();
       refuse(text);
       tell(text, false);
     }
@@ -101,7 +101,7 @@ function control(definition, { change, refuse, settle }) {
     if (event.key !== "Escape" || before === null) return;
     back();
     refusal = "";
-    done();
+    done(event);
   });
   const element = html(
     "div",

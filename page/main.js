@@ -1,7 +1,7 @@
 // Starts the page: compiles the core that the page carries, and listens to a notebook around it.
 
 import { runPage } from "./app.js";
-import { createEngine } from "./engine.js";
+import { Refused, STATE, createEngine } from "./engine.js";
 import { fromHash } from "./link.js";
 
 /** The bytes that a text in base64 stands for. */
@@ -23,7 +23,7 @@ async function compiledCore() {
 
 /** Asks for an attack on another thread, or on this one where a page may not have others. */
 function createAttacker(engine) {
-  const source = `const STATE=13;class Refused extends Error{constructor(refusal){super(refusal.refused);}};const createEngine=${createEngine};let engine=null;
+  const source = `const STATE=${STATE};${Refused};const createEngine=${createEngine};let engine=null;
     onmessage=({data})=>{if(data.module){engine=createEngine(data.module);return;}
     try{postMessage({id:data.id,found:engine.attack(data.study,data.delay,data.seed)});}catch(error){postMessage({id:data.id,error:error.message});}};`;
   const here = async (study, delay, seed) => {

@@ -1,12 +1,16 @@
 // A study with the values and the answer that the core makes of it.
 
-/** The paper's robots at a condition that is stable. */
-export const START = "coupling.stiffness = 71.2\nnetwork.delay = 0.1\n";
+import { stiffness, time } from "./numbers.js";
+
+/** The stiffness, N/m, and the delay each way, s, at which the paper's robots are stable. */
+const SHOWN = { stiffness: 71.2, delay: 0.1 };
 /** What a study must have that a page shows, and what is said where it leaves it open. */
 const OPEN = {
-  stiffness: { changes: "coupling.stiffness = 71.2", words: "the stiffness (shown is 71.2 N/m)" },
-  delay: { changes: "network.delay = 0.1", words: "the delay (shown is 100 ms each way)" },
+  stiffness: { changes: `coupling.stiffness = ${SHOWN.stiffness}`, words: `the stiffness (shown is ${stiffness(SHOWN.stiffness)})` },
+  delay: { changes: `network.delay = ${SHOWN.delay}`, words: `the delay (shown is ${time(SHOWN.delay)} each way)` },
 };
+/** The paper's robots at a condition that is stable. */
+export const START = `${OPEN.stiffness.changes}\n${OPEN.delay.changes}\n`;
 
 /** A study with changes, {study, values, answer, assumed}, where `assumed` says what it left open; throws what the core refuses. */
 export function judged(engine, study, changes) {

@@ -71,6 +71,7 @@ def test_law_progress_reaches_the_end() -> None:
         ({"cells": (0, 2)}, "cells"),
         ({"mass_ratio": (1e-9, 1.0)}, "mass_ratio"),
         ({"operator_mass": -1.0}, "operator_mass"),
+        ({"operator_mass": "x"}, "operator_mass"),
         ({"shard": (3, 2)}, "shard"),
         ({"dyads": 0}, "dyads"),
         ({"dyads": 1.5}, "dyads"),

@@ -223,7 +223,8 @@ def test_law_the_other_format_is_written_without_running_anything_again(
         (["protocol.delay=0", "delay=0.1"], "both of these set protocol.delay"),
         (["network.loss=0,0.1,0.0"], "given once"),
         (["network.loss=0.1:0.1:2"], "given once"),
-        (["network.loss=0,,0.1"], "between two commas"),
+        (["network.loss=0,,0.1"], "before and after each comma"),
+        (["network.loss=0.1,"], "before and after each comma"),
         (["robot1.damping=1:20"], "from:to:how many"),
         (["robot1.damping=1:20:9.5"], "from:to:how many"),
         (["network.loss=0.1;0.2"], "from:to:how many"),
@@ -326,3 +327,32 @@ def test_law_the_command_refuses_in_words(tmp_path: Path) -> None:
     done = command("sweep", "--over", "network.loss", "--out", tmp_path)
     assert done.exit_code == 2
     assert "Traceback" not in done.output
+
+
+def test_law_finished_points_of_another_trace_are_kept(tmp_path: Path, root: Path) -> None:
+    rows = (root / "examples" / "round-trips.csv").read_text(encoding="utf-8")
+    trace = tmp_path / "ping.csv"
+    trace.write_text(rows, encoding="utf-8")
+    network = 'network = {delay = 0.02, trace = {file = "ping.csv", round_trip = true}}\n'
+    robots = "".join(f"robot{i} = {{mass = 1.0, damping = 5.0}}\n" for i in (1, 2))
+    file = written(tmp_path, f"{robots}coupling.stiffness = 40\n{network}")
+    over = {"coupling.stiffness": [20, 30]}
+    ts.sweep(file, tmp_path / "out", over, trials=False, shard=(1, 2))
+    trace.write_text(rows.replace("34.2", "54.2"), encoding="utf-8")
+    assert trace.read_text(encoding="utf-8") != rows
+    with pytest.raises(ts.InvalidInput, match="another version of a Python file or a recorded trace"):
+        ts.sweep(file, tmp_path / "out", over, trials=False, shard=(1, 2))
+
+
+@pytest.mark.parametrize(
+    ("over", "key"),
+    [
+        ({"protocol.duration": [2.5, 3.0], "protocol.trials": [2, 3]}, "protocol.trials"),
+        ({"protocol.seed": [1, 2], "protocol.delay": [[0.1], [0.1, 0.2]]}, "protocol.delay"),
+    ],
+)
+def test_law_the_key_that_changes_the_size_of_a_protocol_is_named(
+    tmp_path: Path, over: dict[str, list[object]], key: str
+) -> None:
+    with pytest.raises(ts.InvalidInput, match=f"rather than over {key}"):
+        ts.sweep(guarded(), tmp_path, over)

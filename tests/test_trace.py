@@ -1,4 +1,4 @@
-"""What a recorded trace deserves: ages as played, models that fit, and the stiffness that is proven."""
+"""What a recorded trace allows: ages as played, models that fit, and the stiffness that is proven."""
 
 from __future__ import annotations
 

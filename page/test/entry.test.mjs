@@ -197,6 +197,26 @@ test("law_a_search_for_attacks_says_what_it_found", looked, async () => {
   await close();
 });
 
+test("law_a_slider_follows_the_number_that_is_written", looked, async () => {
+  const { page, close } = await open();
+  await write(page, "#stiffness", "500");
+  await page.getByLabel("Stiffness of the spring, slider", { exact: true }).focus();
+  await page.keyboard.press("ArrowRight");
+  const { stiffness } = await values(page);
+  assert.ok(stiffness > 500 && stiffness < 520, `${stiffness} N/m`);
+  await close();
+});
+
+test("law_a_refused_study_leaves_what_is_half_written_to_its_field", looked, async () => {
+  const { page, close } = await open();
+  await page.fill("#stiffness", "abc");
+  assert.equal(await page.evaluate(() => window.telespring.page.open("nonsense")), false);
+  await page.locator("#stiffness").blur();
+  assert.equal(await page.inputValue("#stiffness"), "71.2");
+  assert.equal((await values(page)).stiffness, 71.2);
+  await close();
+});
+
 test("law_the_papers_boundary_has_no_spike", looked, async () => {
   const { page, close } = await open();
   // 25 N/m, where the sign in Eq. 9 is 0, is a column of this map

@@ -499,6 +499,24 @@ fn law_a_limit_is_attained_where_it_is_stable() {
     assert_eq!(found.into_iter().collect::<Vec<_>>(), [(false, false), (false, true), (true, true)]);
 }
 
+/// Over a range a limit of no delay is attained only where all of it is stable, not its middle alone.
+#[test]
+fn law_a_limit_over_a_range_is_attained_where_all_of_it_is_stable() {
+    let robot = || Robot::new(vec![1.0], vec![5.0], None).unwrap();
+    let hand = |damping: f64| Operator::new(vec![0.0], vec![damping], vec![0.0]).unwrap();
+    let dyad = Dyad::new(robot(), robot(), None, 0.0).unwrap();
+    let range = OperatorRange::new(hand(0.0), hand(20.0)).unwrap();
+    let network = |delay: f64| Network::new(Delay::each_way(delay).unwrap(), 0.0, 0.0, 0.001, 0.0).unwrap();
+    let ranges = [range.clone(), range];
+    let found = [4000.0, 6000.0].map(|k| {
+        let limit = delay_limit(&dyad, Some(&ranges), k, &network(0.05)).unwrap();
+        let judged = verdicts(&dyad, Some(&ranges), k, &network(0.0)).unwrap();
+        assert_eq!(judged.axes[0].sampled_stable, Some(limit.attained));
+        (limit.delay, limit.attained)
+    });
+    assert_eq!(found, [(0.0, true), (0.0, false)]);
+}
+
 /// The worst operators of a range have its ends, or values apart from them: no remainder of a subtraction.
 #[test]
 fn law_the_worst_operators_have_the_ends_of_their_range() {

@@ -54,7 +54,7 @@ def explore(
     stiffness: float | None = None,
     delay: Delay | Network | None = None,
 ) -> Any:
-    """Show the page on which stiffness, delay and robots can be moved, in a notebook.
+    """Show the page on which stiffness, delay and robots can be changed, in a notebook.
 
     The page computes in the browser with the same core. Moving a slider changes `study` of what is returned,
     and a study put there is shown. Needs the package anywidget: `pip install "telespring[jupyter]"`.

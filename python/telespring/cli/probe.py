@@ -131,7 +131,7 @@ def _measure(program: Path, arguments: list[str], *, is_quiet: bool) -> tuple[Ma
 
 
 def _assess(file: Path, found: Mapping[str, Any]) -> TraceAssessment | str:
-    """Return what the trace deserves, or why nothing can be said."""
+    """Return what the trace allows, or why nothing can be said."""
     if not file.exists():
         return "One way is not known, so there is nothing to judge: let both sites run to the end."
     from telespring.traces import assess_trace, read_trace

@@ -56,7 +56,7 @@ def prediction_map(
     stiffness, delay
         Largest stiffness (N/m) and delay (s) of the map.
     points
-        Delays at which each limit is computed, evenly spaced.
+        Delays above 0 at which each limit is computed, evenly spaced; it is computed without delay, too.
     title
         What is written above the map; by default the robots.
     allow_unusual
@@ -90,7 +90,7 @@ def prediction_map(
             "Draw two maps.",
         )
     if points < 2:
-        raise InvalidInput("points", str(points), "at least two delays are required", "Leave it out.")
+        raise InvalidInput("points", str(points), "at least two delays above 0 are required", "Leave it out.")
     delays = np.linspace(0.0, delay, points + 1)  # the shade begins where there is no delay
     limits = [
         PredictionLimit(

@@ -146,7 +146,10 @@ def _refuse_what_is_no_word(text: str, key: str, written: str) -> None:
     """Refuse what is neither a number nor a word: a range, list or table that was written otherwise."""
     if not written:
         raise InvalidInput(
-            "over", text, "a value is required between two commas", "Leave the second comma out."
+            "over",
+            text,
+            "a value is required before and after each comma",
+            "Leave out the comma that has none.",
         )
     if any(sign in written for sign in "{}[]="):
         raise InvalidInput(

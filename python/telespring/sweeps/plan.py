@@ -20,6 +20,8 @@ __all__ = ["QUICK_TRIALS", "SweepPlan", "plan_sweep"]
 #: Trials of each condition, and draws, in a quick sweep.
 QUICK_TRIALS, QUICK_DRAWS = 2, 3
 _MOST_UNITS = 100_000_000
+#: Keys that decide how many conditions a protocol has.
+_OF_THE_CONDITIONS = {f"protocol.{key}" for key in ("unconnected", "stiffness", "delay", "conditions")}
 
 
 @dataclass(frozen=True)
@@ -126,7 +128,10 @@ class SweepPlan:
             return
         size = len(experiment.conditions), experiment.trials
         if size != (self.conditions, self.trials):
-            swept = [each.key for each in self.over if each.key.startswith("protocol.")]
+            keys: set[str] = {"protocol.trials"} if size[1] != self.trials else set()
+            if size[0] != self.conditions:
+                keys |= _OF_THE_CONDITIONS
+            swept = [each.key for each in self.over if each.key in keys]
             raise InvalidInput(
                 "protocol",
                 f"{size[0]} conditions × {size[1]} trials",

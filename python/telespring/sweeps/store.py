@@ -86,6 +86,15 @@ class SweepIdentity:
             return "a sweep with another version of a Python file or a recorded trace"
         return "a sweep over other keys, values or draws"
 
+    def has_points_of(self, text: str) -> bool:
+        """Check whether the sweep with this identity has the same points, whatever its agents and targets."""
+        return self.from_json(text)._of_points() == self._of_points()
+
+    def _of_points(self) -> str:
+        """Return the text that sweeps with equal points have in common: of the files only recorded traces."""
+        traces = {place: file for place, file in self.programs.items() if place.startswith("network.trace")}
+        return replace(self, programs=traces)._compared()
+
     def _compared(self) -> str:
         """Return the text that equal sweeps have in common: 30 and 30.0 are one value of a key."""
         over = [[key, [as_number(value) for value in values]] for key, values in self.over]
@@ -158,12 +167,10 @@ class SweepStore:
     def _has_finished(self, stored: str) -> bool:
         """Check whether there are results to keep, of the sweep with this stored identity.
 
-        Before the first trial only points are there: an agent that failed at once may be corrected.
+        Before the first trial only points are there, and no agent has a part in them: one that failed at
+        once may be corrected. A recorded trace has.
         """
-        if self.trials.has_rows():
-            return True
-        other = replace(SweepIdentity.from_json(stored), programs=self.identity.programs)
-        return self.points.has_rows() and other.fingerprint != self.identity.fingerprint
+        return self.trials.has_rows() or (self.points.has_rows() and not self.identity.has_points_of(stored))
 
 
 def _zarr_identity(folder: Path) -> str | None:

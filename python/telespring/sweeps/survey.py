@@ -46,13 +46,17 @@ class _Population:
     def read(cls, **given: Any) -> _Population:
         """Read the keywords as a caller gives them; InvalidInput where one is of another kind."""
         for name in ("mass", "damping", "mass_ratio", "damping_ratio"):
-            given[name] = _pair(name, given[name], float, "numbers, the smaller one first")
+            given[name] = _pair(name, given[name], float, "numbers, the smaller one first,")
+        for name in ("operator_mass", "operator_damping"):
+            given[name] = _number(name, given[name])
         given["cells"] = _pair("cells", given["cells"], operator.index, "whole numbers")
         given["seed"] = _whole("seed", given["seed"], 0, 2**63 - 1)
         rows, columns = given["cells"]
         if min(rows, columns) < 1 or rows * columns > _MOST_CELLS:
             raise _refused(
-                "cells", (rows, columns), f"1 cell or more in each direction and {_MOST_CELLS} in all are"
+                "cells",
+                (rows, columns),
+                f"1 cell or more in each direction, and at most {_MOST_CELLS} in all, are",
             )
         return cls(**given)
 
@@ -71,12 +75,19 @@ def _whole(name: str, value: Any, least: int, most: int) -> int:
     return number
 
 
+def _number(name: str, value: Any) -> float:
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise _refused(name, value, "a number is") from None
+
+
 def _pair(name: str, value: Any, read: Callable[[Any], Any], kind: str) -> tuple[Any, Any]:
     try:
         first, second = value
         return read(first), read(second)
     except (TypeError, ValueError):
-        raise _refused(name, value, f"two {kind}, are") from None
+        raise _refused(name, value, f"two {kind} are") from None
 
 
 def _count(population: _Population, first: int, count: int) -> tuple[Any, Any, Any, Any]:

@@ -120,11 +120,11 @@ def measure_trials(work: SweepWork, units: tuple[int, ...]) -> tuple[tuple[int, 
             runner = _runner_at(work, work.plan.point_of(unit))
         experiment = runner.experiment
         scheduled = work.plan.scheduled(unit, experiment)
+        stiffness = experiment.conditions[scheduled.condition].stiffness
         stride = experiment.tick_stride
-        if runner.study.session.guard_settings is not None:
+        if runner.study.session.guard_settings is not None and stiffness is not None:
             stride = law_stride(experiment)
         finer = experiment.tick_stride // stride
         recording = runner.record(scheduled, record_rate=finer * experiment.record_rate)
-        stiffness = experiment.conditions[scheduled.condition].stiffness
         rows.append(trial_row(recording, finer, stiffness, experiment, runner.study))
     return units, np.array(rows)

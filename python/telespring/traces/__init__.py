@@ -1,4 +1,4 @@
-"""What a recorded trace of a network deserves: a play-out delay, and a stiffness that is proven with it."""
+"""What a recorded trace of a network allows: a play-out delay, and a stiffness that is proven with it."""
 
 from telespring._core import BurstFit, JitterFit, PlayedTrace, Trace, TraceFit, TraceStatistics
 from telespring.traces.assessment import RecordedWay, TraceAssessment, assess_trace

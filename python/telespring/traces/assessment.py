@@ -1,4 +1,4 @@
-"""The answer of the command `trace`: what was recorded, what fits it, and what it deserves."""
+"""The answer of the command `trace`: what was recorded, what fits it, and what it allows."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class RecordedWay:
 
 @dataclass(frozen=True)
 class TraceAssessment:
-    """What a recorded trace of a network deserves.
+    """What a recorded trace of a network allows.
 
     Attributes
     ----------

@@ -85,6 +85,18 @@ fn is_stable_at_once(region: &OperatorBox, network: &Network, k: f64) -> Result<
     Ok(sampled_spectral_radius(&region.axis(&region.middle()), k, &immediate)?.is_stable())
 }
 
+/// Whether all of a region is stable under sampled controllers without any delay: its middle is, and no operator in it has a
+/// root on the stability boundary.
+fn is_all_stable_at_once(region: &OperatorBox, network: &Network, k: f64) -> Result<bool> {
+    if !is_stable_at_once(region, network, k)? {
+        return Ok(false);
+    }
+    let immediate = network.with_delay(Delay::each_way(0.0)?);
+    Ok(region.is_point()
+        || region.sampled_family(network).crossing(k, Some(immediate.held_round_trip()))
+            == Crossing::Excluded)
+}
+
 /// The limit of one axis under sampled controllers.
 ///
 /// Over a range no root crosses while the round trip grows as a real number, so that all whole numbers of periods have the
@@ -165,7 +177,7 @@ pub fn delay_limit(
         let is_attained = is_sampled
             && axis.delay < continuous_end
             // no delay at all may be too long, too
-            && (axis.delay > 0.0 || is_stable_at_once(&region, network, k)?);
+            && (axis.delay > 0.0 || is_all_stable_at_once(&region, network, k)?);
         if axis.delay == worst.delay {
             worst.attained &= is_attained;
             continue;

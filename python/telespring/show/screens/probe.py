@@ -28,7 +28,7 @@ def probe_screen(
     trace: Path | None,
     out_study: Path | None,
 ) -> RenderableType:
-    """Lay out what was measured of both ways, and what the path deserves or why nothing can be said."""
+    """Lay out what was measured of both ways, and what the path allows or why nothing can be said."""
     parts: list[RenderableType] = [_ways_table(found), *_sentences(found)]
     if isinstance(assessment, str):
         parts.append(Text(assessment, style="yellow"))

@@ -60,7 +60,7 @@ def _guard_line(whole: SweepRow) -> Text:
             "allows: guard_spare says how much.",
             style="yellow",
         )
-    return Text("The guards kept their law in every trial.")
+    return Text("The guards kept their law in every trial that can be judged.")
 
 
 def _no_effect_line(key: str, *, has_trials: bool) -> Text:

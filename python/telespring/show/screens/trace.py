@@ -1,4 +1,4 @@
-"""What a recorded trace of a network deserves, as one screen of text."""
+"""What a recorded trace of a network allows, as one screen of text."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ _REASONS = {
 def trace_screen(
     found: TraceAssessment, name: str, taken: str, robots: Sequence[str], lines: Sequence[str]
 ) -> RenderableType:
-    """Lay an assessment out for the terminal: what was recorded, what fits, what it deserves.
+    """Lay an assessment out for the terminal: what was recorded, what fits, what it allows.
 
     `name` is that of the file, `taken` says what its delays are, `robots` describe the robots, and `lines`
     are those for a study.

@@ -1,4 +1,4 @@
-//! The guard: a spring that cannot give out more energy than it has.
+//! The guard: a spring that gives out no more energy than its account holds.
 
 use super::tally::Tally;
 use super::{Outgoing, Strategy, StrategyReport, Tick};
