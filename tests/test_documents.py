@@ -142,7 +142,7 @@ def test_law_every_command_of_the_readme_runs_as_pasted(root: Path, tmp_path: Pa
             text=True,
             check=False,
             cwd=tmp_path,
-            timeout=100,
+            timeout=300,
         )
         assert done.returncode == 0, f"{command}: {done.stderr}"
         assert done.stderr == "", command

@@ -260,7 +260,7 @@ def weights() -> list[Expected]:
 
 def spot_velocity() -> list[Expected]:
     error = math.sqrt(0.3**2 / 10)
-    return [0.3, close(error), close(1.96 * error), close(0.588), close(0.03)]
+    return [0.2, 0.3, close(error), close(1.96 * error), close(0.588), close(0.03)]
 
 
 EXPECTED: dict[str, Callable[[], list[Expected]]] = {

@@ -22,6 +22,8 @@ __all__ = [
 #: Forces (N) of equal samples, of which the weights leave one; the last is far from the others.
 _FORCES = (0.9, 1.0, 1.05, 1.2, 3.0)
 _ITERATIONS = 100
+#: Appendix C, m/s.
+_PRINTED_RANGE = 0.2
 
 
 def wrong_statement_on_free_handles() -> Misprint:
@@ -95,13 +97,14 @@ def wrong_statement_on_spot_velocity() -> Misprint:
     return Misprint(
         key="spot-velocity",
         where="Appendix C against Section IV-C",
-        printed="The velocity of each spot is in ±1.96 SEM ≈ ±0.2 m/s.",
+        printed="The velocity of each spot is in the 95 % range of the mean of all spots.",
         true=(
-            "That is the range of the mean of all ten. A single spot has a standard deviation of 0.3 m/s "
-            "(Section IV-C), and is in ±0.59 m/s with the same probability."
+            "A single spot scatters more than three times as far: the mean of ten has its standard deviation "
+            "(Section IV-C) divided by √10."
         ),
         consequence="Spots drawn by Appendix C make a cloud whose centre moves a third as fast.",
         evidence=(
+            Evidence("range of a spot, as printed", _PRINTED_RANGE, "m/s"),
             Evidence("standard deviation of a spot's velocity", deviation, "m/s"),
             Evidence("standard error of the mean of all spots", error, "m/s"),
             Evidence("95 % range of the mean", 1.96 * error, "m/s"),
