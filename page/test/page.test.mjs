@@ -138,11 +138,13 @@ test("law_a_notebook_and_the_page_in_its_frame_tell_each_other", looked, async (
   // shown again, as in another cell: it opens with the study of now, and does not bring back that of the start
   await page.evaluate(() => window.show());
   await page.waitForFunction(() => window.frames.length === 2);
-  await page.frames()[2].waitForFunction(() => document.querySelector("#stiffness")?.value === "44");
+  // a frame below the window draws nothing: no frame of an animation to wait for
+  const off = { polling: 100 };
+  await page.frames()[2].waitForFunction(() => document.querySelector("#stiffness")?.value === "44", null, off);
   assert.match(await page.evaluate(() => window.traits.toml), /stiffness = 44/);
   await page.frames()[2].fill("#stiffness", "55");
   await page.frames()[2].locator("#stiffness").blur();
-  await frame.waitForFunction(() => document.querySelector("#stiffness").value === "55");
+  await frame.waitForFunction(() => document.querySelector("#stiffness").value === "55", null, off);
   await context.close();
 });
 
