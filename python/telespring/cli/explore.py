@@ -56,7 +56,7 @@ def explore_command(
     Example: telespring explore --robot 1.2,6 --robot 2,9 --ping 80ms
     """
     from telespring._files import write_whole
-    from telespring.app.page import page_with, ready_study
+    from telespring.app.page import page_with
 
     asked = StudyOptions(study)
     with refusals(asked.options, asked.written):
@@ -66,7 +66,8 @@ def explore_command(
         asked.allow_unusual(is_allowed=allow_unusual)
         asked.take("coupling", "stiffness", stiffness, "--stiffness")
         asked.take_ping(ping, delay, backward, check_unusual=not allow_unusual)
-        page = page_with(ready_study(asked.read()))
+        # what it leaves open the page fills in, and says so
+        page = page_with(asked.read())
         path = save if save is not None else Path(tempfile.mkdtemp(prefix="telespring-")) / "telespring.html"
         write_whole(path, page)
     console = screen_console()
