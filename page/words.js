@@ -134,6 +134,8 @@ const NOT_JUDGED = {
 /** What the page does not know of a study that it shows. */
 export function notes(values) {
   const found = [];
+  const holds = (end) => (hand) => Object.values(hand).some((ends) => ends.some((pair) => pair[end] > 0));
+  if (values.operators.every(holds(1)) && values.operators.some(holds(0))) found.push("One hand that lets go while the other holds is judged only where the least of both hands is 0.");
   if (values.not_judged.length) found.push(`Nothing is proven, since this is not judged: ${values.not_judged.map((each) => NOT_JUDGED[each] ?? each).join(", ")}.`);
   if (values.ages_from.length) found.push(`The ages of the samples come from ${values.ages_from.join(", ")}, beside delay and jitter.`);
   if (values.has_uncertainty) found.push("The errors of the robots' parameters are left out here: telespring decide counts them.");

@@ -223,6 +223,43 @@ def test_law_no_line_mixes_the_worst_operator_with_another() -> None:
     assert answer["axes"][0]["operators"][0]["stiffness"] >= 50.0
 
 
+@pytest.mark.parametrize("stiffness", [(), ("--stiffness", "71.2")])
+@pytest.mark.parametrize(
+    ("grips", "is_left_out"),
+    [
+        (("--grip", "50:300"), True),
+        (("--grip1", "0:300", "--grip2", "50:300"), True),
+        (("--grip", "0:300"), False),
+        (("--grip2", "50:300"), False),
+    ],
+)
+def test_law_one_hand_that_lets_go_alone_is_said_where_it_is_left_out(
+    stiffness: tuple[str, ...], grips: tuple[str, ...], is_left_out: bool
+) -> None:
+    screen = flat(run("decide", *stiffness, "--delay", "0.1", *grips).stdout)
+    assert ("Neither case covers one hand that lets go" in screen) == is_left_out
+
+
+def test_ref_one_hand_that_lets_go_alone_can_be_the_worst_case() -> None:
+    dyad = ts.Dyad(ts.Robot(1.2, 6.0), ts.Robot(2.0, 9.0))
+
+    def hands(*stiffnesses: tuple[float, float]) -> tuple[ts.OperatorRange, ts.OperatorRange]:
+        one, other = (
+            ts.OperatorRange(ts.Operator(stiffness=low), ts.Operator(stiffness=high))
+            for low, high in stiffnesses
+        )
+        return one, other
+
+    def is_stable(operators: tuple[ts.OperatorRange, ts.OperatorRange] | None) -> bool:
+        return ts.decide(dyad, 193.5, 0.04, operator_range=operators).status in ("stable", "marginal")
+
+    assert is_stable(None)
+    assert is_stable(hands((50.0, 300.0), (50.0, 300.0)))
+    assert not is_stable(hands((0.0, 0.0), (50.0, 300.0)))
+    # the range from 0 has it
+    assert not is_stable(hands((0.0, 300.0), (0.0, 300.0)))
+
+
 def test_law_free_and_held_stand_side_by_side() -> None:
     screen = run("decide", "--stiffness", "71.2", "--delay", "0.1", "--grip", "50:300").stdout
     assert "Free handles: STABLE" in screen

@@ -79,7 +79,9 @@ class Answer:
 
     @property
     def is_stable(self) -> bool:
-        """Whether `telespring decide --check` passes: stable with the reserve, also if a hand lets go.
+        """Whether `telespring decide --check` passes: stable with the reserve, also if both hands let go.
+
+        One hand that lets go alone counts where the ranges of hands begin at 0.
 
         The arms and agents that a study names count too, where stability with them is known.
         """

@@ -78,7 +78,7 @@ class PlayoutChoice:
         The tier that gives the largest usable stiffness; None if none has a rule.
     usable_stiffness
         The largest stiffness with a reserve of 5 % and, where the robots have errors, with the least
-        probability that `decide` asks for, N/m; also if a hand lets go.
+        probability that `decide` asks for, N/m; also if both hands let go.
     mostly_usable_stiffness
         The same for the ages of 99 % of the time. It is no proof; the guard takes the rest.
     """

@@ -22,6 +22,7 @@ from telespring.show.screens.questions import (
     answers_by_buffer,
     delay_clause,
     hands_name,
+    one_hand_lines,
 )
 
 __all__ = ["answer_lines"]
@@ -54,6 +55,8 @@ def answer_lines(decision: Decision, held: str) -> list[Text]:
             is_promised=case.has_playout_buffer,
             buffer=delay_clause(case.constant_delay),
         )
+    if decision.free is not None:
+        lines += one_hand_lines(decision.question)
     return lines
 
 

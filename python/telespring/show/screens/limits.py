@@ -29,6 +29,7 @@ from telespring.show.screens.questions import (
     hands_name,
     network_clause,
     network_fits,
+    one_hand_lines,
     range_notes,
     sampling_clause,
     sampling_note,
@@ -112,7 +113,8 @@ def _usable(found: Limits, held: str) -> list[Text]:
             is_promised=found.has_playout_buffer,
             buffer=delay_clause(row.constant_delay) if case.is_delay_given else "",
         )
-    return lines or [Text(f"What each delay allows, with {_kept(found)}:")]
+    lines = lines or [Text(f"What each delay allows, with {_kept(found)}:")]
+    return lines if found.free is None else [*lines, *one_hand_lines(found.delays[0].question)]
 
 
 def _kept(found: Limits) -> str:
