@@ -183,6 +183,22 @@ class Question:
         """Return the question with free handles: only the robots' own springs stay."""
         return self.with_operators(self.robot_springs)
 
+    @property
+    def leaves_out_one_hand(self) -> bool:
+        """Whether neither this question nor the one with free handles has one hand that lets go alone."""
+        least = most = self.dyad.operators
+        if self.operator_ranges is not None:
+            one, other = self.operator_ranges
+            least, most = (one.low, other.low), (one.high, other.high)
+        return all(self._robots_held(most)) and any(self._robots_held(least))
+
+    def _robots_held(self, hands: tuple[Operator, Operator]) -> tuple[bool, bool]:
+        """Check for each robot whether its hand holds it."""
+        free = self.released().dyad.operators
+        return self.with_operators((hands[0], free[1])).is_held, self.with_operators(
+            (free[0], hands[1])
+        ).is_held
+
     def with_operators(self, operators: tuple[Operator, Operator] | None) -> Question:
         """Return the question with these operators in place of hands and springs."""
         dyad = Dyad(*self.dyad.robots, operators, self.dyad.coupling_damping)

@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, NamedTuple
 
-import numpy as np
 from rich.text import Text
 
 from telespring._core import is_stable, stiffness_limit
@@ -86,23 +85,11 @@ class TierBound(NamedTuple):
 
 def one_hand_lines(question: Question) -> list[Text]:
     """Say that the cases of free and of held handles leave out one hand that lets go alone, where they do."""
-    ranges, springs = question.operator_ranges, question.robot_springs
-    hands = question.dyad.operators if ranges is None else tuple(each.high for each in ranges)
-    least = question.dyad.operators if ranges is None else tuple(each.low for each in ranges)
-    own = (None, None) if springs is None else springs
-    are_held = all(_has_hand(hand, spring) for hand, spring in zip(hands, own, strict=True))
-    if not (are_held and any(_has_hand(hand, spring) for hand, spring in zip(least, own, strict=True))):
+    if not question.leaves_out_one_hand:
         return []
     return [
         Text("Neither case covers one hand that lets go while the other holds. A range of hands from 0 does.")
     ]
-
-
-def _has_hand(operator: Operator, spring: Operator | None) -> bool:
-    """Check whether more holds a handle than the robot's own spring."""
-    own = np.zeros_like(operator.stiffness) if spring is None else np.asarray(spring.stiffness)
-    values = (operator.mass, operator.damping, np.asarray(operator.stiffness) - own)
-    return any(np.any(np.asarray(value) != 0.0) for value in values)
 
 
 def range_notes(bounds: Iterable[TierBound]) -> list[str]:
